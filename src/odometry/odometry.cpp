@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/odometry/odometry.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <sstream>
-
-#include "kissmap/error.hpp"
+#include "options.hpp"
 
 namespace kissmap {
 namespace {
-
-void require_between(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  std::ostringstream message;
-  message << name << " = " << value << " is outside " << low << ".." << high;
-  throw usage_error(message.str());
-}
 
 void move_points(const Rigid3& frame_from_lidar, std::vector<Eigen::Vector3f>& points) {
   const Eigen::Matrix3d rotation = frame_from_lidar.rotation.toRotationMatrix();
