@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "formats/session/manifest_json.hpp"
 
-#include <xxhash.h>
-
-#include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
