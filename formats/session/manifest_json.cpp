@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "formats/session/manifest_json.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -114,6 +115,8 @@ void write_manifest(const StoredManifest& stored, const std::filesystem::path& s
 }
 
 std::string as_json_stores_it(const std::string& text) {
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 128; };
+  if (std::ranges::all_of(text, is_ascii)) return text;
   return json::parse(ordered_json(text).dump(-1, ' ', false, json::error_handler_t::replace))
       .get<std::string>();
 }
