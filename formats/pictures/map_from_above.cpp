@@ -126,8 +126,8 @@ void paint_scale_bar(Canvas& canvas, double pixel_size) {
 
 Picture draw_map_from_above(const std::filesystem::path& session_folder, int max_pixels) {
   if (max_pixels < smallest_max_pixels || max_pixels > largest_max_pixels) {
-    throw usage_error("the longer side of a picture needs " + std::to_string(smallest_max_pixels) + " to " +
-                      std::to_string(largest_max_pixels) + " pixels");
+    throw usage_error("the longer side of a picture needs " + std::to_string(smallest_max_pixels) +
+                      " to " + std::to_string(largest_max_pixels) + " pixels");
   }
   const std::vector<LocalMap> local_maps = read_local_maps(session_folder);
   std::vector<Eigen::Vector3d> trajectory;

@@ -133,18 +133,17 @@ void encode_directions(ByteWriter& bytes, const std::vector<Eigen::Vector3f>& di
 }
 
 std::vector<Eigen::Vector3f> decode_directions(ByteReader& bytes, std::size_t size) {
-  std::vector<Eigen::Vector3d> steps(size);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto column = bytes.difference_planes<std::uint16_t>(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      steps[i][axis] = static_cast<double>(static_cast<std::int16_t>(column[i]));
-    }
-  }
+  const auto x = bytes.difference_planes<std::uint16_t>(size);
+  const auto y = bytes.difference_planes<std::uint16_t>(size);
+  const auto z = bytes.difference_planes<std::uint16_t>(size);
   std::vector<Eigen::Vector3f> directions(size);
-  std::ranges::transform(steps, directions.begin(), [](const Eigen::Vector3d& step) {
-    if (step.isZero(0.0)) throw DamagedPack("a no-return direction has no length");
-    return Eigen::Vector3f(step.normalized().cast<float>());
-  });
+  for (std::size_t i = 0; i < size; ++i) {
+    const Eigen::Vector3d steps(static_cast<std::int16_t>(x[i]),
+                                static_cast<std::int16_t>(y[i]),
+                                static_cast<std::int16_t>(z[i]));
+    if (steps.isZero(0.0)) throw DamagedPack("a no-return direction has no length");
+    directions[i] = steps.normalized().cast<float>();
+  }
   return directions;
 }
 
