@@ -88,6 +88,11 @@ class SessionWriter {
   SessionWriter(const std::filesystem::path& path, bool overwrite);
   ~SessionWriter();
 
+  /// Notes what is known before the end (log, configuration), so that a run that stops early
+  /// leaves a folder that says what it was. May be called again; finish() overrules it.
+  void describe(const SessionManifest& manifest);
+
+  /// Scans in the order of the log; local maps count from 0 and may come after their scans.
   void add_scan(const SessionScan& scan);
   void add_local_map(const LocalMap& local_map);
 

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "formats/session/session_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <system_error>
+
+#include "formats/files/output_file.hpp"
+#include "kissmap/error.hpp"
+#include "kissmap/formats/pack.hpp"
+#include "kissmap/formats/session.hpp"
+
+namespace kissmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array file_names = {manifest_file_name,
+                                   configuration_file_name,
+                                   scans_file_name,
+                                   local_maps_file_name,
+                                   tum_file_name,
+                                   kitti_file_name,
+                                   picture_file_name,
+                                   pack_file_name};
+
+fs::file_type type_of(const fs::path& path) {
+  std::error_code code;
+  return fs::symlink_status(path, code).type();
+}
+
+bool is_there(const fs::path& path) {
+  return type_of(path) != fs::file_type::not_found;
+}
+
+// A file still being written, or stopped while it was, carries ".partial".
+std::string_view without_partial(std::string_view name) {
+  constexpr std::string_view ending = ".partial";
+  return name.ends_with(ending) ? name.substr(0, name.size() - ending.size()) : name;
+}
+
+bool is_session_file(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  const std::string_view base = without_partial(name);
+  return entry.symlink_status().type() == fs::file_type::regular &&
+         std::ranges::any_of(file_names, [base](const char* known) { return base == known; });
+}
+
+bool is_local_map_file(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  const std::string_view base = without_partial(name);
+  const std::string_view digits =
+      base.substr(0, base.size() - std::min<std::size_t>(4, base.size()));
+  return entry.symlink_status().type() == fs::file_type::regular && base.ends_with(".ply") &&
+         digits.size() >= 6 && digits.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+bool is_local_maps_folder(const fs::directory_entry& entry) {
+  return entry.path().filename() == local_maps_folder_name &&
+         entry.symlink_status().type() == fs::file_type::directory;
+}
+
+std::string find_foreign_name(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!is_session_file(entry) && !is_local_maps_folder(entry)) {
+      return entry.path().filename().string();
+    }
+  }
+  const fs::path maps = folder / local_maps_folder_name;
+  if (!is_there(maps)) return {};
+  for (const fs::directory_entry& entry : fs::directory_iterator(maps)) {
+    if (!is_local_map_file(entry)) {
+      return (local_maps_folder_name / entry.path().filename()).string();
+    }
+  }
+  return {};
+}
+
+void remove_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::remove_all(folder, code);
+  if (code) throw output_error(folder, "cannot be removed: " + code.message());
+}
+
+void require_only_session_files(const fs::path& folder) {
+  const std::string foreign = first_foreign_name(folder);
+  if (!foreign.empty()) {
+    throw output_error(folder,
+                       "not overwritten, because '" + foreign +
+                           "' in it is not part of a session; move it away first");
+  }
+}
+
+}  // namespace
+
+fs::path local_map_file(const fs::path& session, std::uint32_t id) {
+  std::string name = std::to_string(id);
+  if (name.size() < 6) name.insert(0, 6 - name.size(), '0');
+  return session / local_maps_folder_name / (name + ".ply");
+}
+
+fs::path folder_path(const fs::path& path) {
+  const fs::path normal = path.lexically_normal();
+  return normal.has_filename() || !normal.has_relative_path() ? normal : normal.parent_path();
+}
+
+std::string first_foreign_name(const fs::path& folder) try {
+  return find_foreign_name(folder);
+} catch (const fs::filesystem_error& error) {
+  throw output_error(folder, std::string("cannot be listed: ") + error.code().message());
+}
+
+fs::path replaced_path(const fs::path& session) {
+  fs::path path = session;
+  path += ".replaced";
+  return path;
+}
+
+void require_writable_target(const fs::path& path, bool overwrite) {
+  if (!path.has_filename() || path.filename() == "." || path.filename() == "..") {
+    throw output_error(path, "is no name for a new session; give the path of a new folder");
+  }
+  if (is_there(replaced_path(path))) {
+    throw output_error(replaced_path(path),
+                       "is left from an interrupted overwrite; rename or remove it first");
+  }
+  if (!is_there(path)) return;
+  if (!overwrite) {
+    throw output_error(path, "exists already; choose another name, or --overwrite a session");
+  }
+  if (type_of(path) != fs::file_type::directory || !is_session(path)) {
+    throw output_error(path, "is not a session folder and is not overwritten; choose another name");
+  }
+  require_only_session_files(path);
+}
+
+void create_partial_folder(const fs::path& partial) {
+  if (is_there(partial)) {
+    if (type_of(partial) != fs::file_type::directory) {
+      throw output_error(partial, "is in the way and not a folder of ours; move it away first");
+    }
+    require_only_session_files(partial);
+    remove_folder(partial);
+  }
+  std::error_code code;
+  fs::create_directory(partial, code);
+  if (!code) fs::create_directory(partial / local_maps_folder_name, code);
+  if (code) {
+    throw output_error(
+        partial,
+        "cannot be created: " + code.message() + "; choose an existing folder you may write to");
+  }
+}
+
+void publish_folder(const fs::path& partial, const fs::path& path, bool overwrite) {
+  require_writable_target(path, overwrite);
+  const fs::path replaced = replaced_path(path);
+  const bool replaces = is_there(path);
+  if (replaces) rename_path(path, replaced);
+  try {
+    rename_path(partial, path);
+  } catch (const Error&) {
+    if (replaces) rename_path(replaced, path);
+    throw;
+  }
+  sync_folder(path.parent_path());
+  if (replaces) remove_folder(replaced);
+}
+
+}  // namespace kissmap

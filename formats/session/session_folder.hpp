@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace kissmap {
+
+// Names inside a session folder, see FORMAT.md.
+inline constexpr const char* manifest_file_name = "session.json";
+inline constexpr const char* configuration_file_name = "config.toml";
+inline constexpr const char* scans_file_name = "scans.csv";
+inline constexpr const char* local_maps_file_name = "local_maps.csv";
+inline constexpr const char* local_maps_folder_name = "local_maps";
+inline constexpr const char* tum_file_name = "trajectory.tum";
+inline constexpr const char* kitti_file_name = "trajectory_kitti.txt";
+inline constexpr const char* picture_file_name = "map.png";
+
+/// Ends the message about a session that is damaged.
+inline constexpr const char* damaged_session_cure =
+    "restore the session from a copy or make it again with 'kissmap run'";
+
+std::filesystem::path local_map_file(const std::filesystem::path& session, std::uint32_t id);
+
+/// The path without a trailing separator, so that names can be appended to it.
+std::filesystem::path folder_path(const std::filesystem::path& path);
+
+/// First entry of a folder that no session has, or that is of the wrong kind; empty if there is
+/// none. Guards whatever a user keeps beside or inside a session against deletion.
+std::string first_foreign_name(const std::filesystem::path& folder);
+
+/// Where a session that is being overwritten waits until its successor is in place.
+std::filesystem::path replaced_path(const std::filesystem::path& session);
+
+/// Throws Error(output) unless a session may be written to `path`.
+void require_writable_target(const std::filesystem::path& path, bool overwrite);
+
+/// Creates an empty folder, replacing a stale one that holds session files only.
+/// Throws Error(output).
+void create_partial_folder(const std::filesystem::path& partial);
+
+/// Gives a complete folder its name. With `overwrite`, a session of that name is moved away first
+/// and deleted when its successor is in place. Throws Error(output).
+void publish_folder(const std::filesystem::path& partial,
+                    const std::filesystem::path& path,
+                    bool overwrite);
+
+}  // namespace kissmap

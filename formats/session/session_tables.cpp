@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "formats/session/session_tables.hpp"
+
+#include <optional>
+
+#include "formats/files/table.hpp"
+#include "formats/session/session_folder.hpp"
+
+namespace kissmap {
+namespace {
+
+std::string pose_columns(const std::string& name) {
+  std::string columns;
+  for (const char* part : {"_x", "_y", "_z", "_qx", "_qy", "_qz", "_qw"}) {
+    columns += (columns.empty() ? "" : ",") + name + part;
+  }
+  return columns;
+}
+
+// Appends the fields of a row one by one, commas between them.
+class RowText {
+ public:
+  template <typename Number>
+  RowText& number(Number value) {
+    separate();
+    append_number(text_, value);
+    return *this;
+  }
+  RowText& flag(bool value) { return word(value ? "1" : "0"); }
+  RowText& word(const char* value) {
+    separate();
+    text_ += value;
+    return *this;
+  }
+  RowText& pose(const Rigid3& transform) {
+    separate();
+    append_pose(text_, transform, ',');
+    return *this;
+  }
+  std::string line() { return text_ + '\n'; }
+
+ private:
+  void separate() {
+    if (!text_.empty()) text_ += ',';
+  }
+  std::string text_;
+};
+
+SessionScan read_scan(TableReader& table) {
+  SessionScan scan;
+  MappedScan& mapped = scan.mapped;
+  scan.log_index = table.unsigned_integer();
+  mapped.stamp_ns = table.integer();
+  mapped.pose_stamp_ns = table.integer();
+  mapped.local_map_id = table.unsigned_integer_32();
+  mapped.local_map_from_lidar = table.pose();
+  mapped.deskewed = table.flag();
+  mapped.sweep_start_from_sweep_end = table.pose();
+  mapped.points_read = table.unsigned_integer();
+  mapped.points_in_range = table.unsigned_integer();
+  mapped.iterations = table.unsigned_integer_32();
+  mapped.converged = table.flag();
+  table.end_row();
+  return scan;
+}
+
+LocalMapEnd read_end(TableReader& table) {
+  const std::string_view end = table.text();
+  if (end == "split") return LocalMapEnd::split;
+  if (end == "end_of_log") return LocalMapEnd::end_of_log;
+  throw table.error("is neither split nor end_of_log");
+}
+
+LocalMap read_local_map(TableReader& table, std::size_t expected_id) {
+  LocalMap map;
+  map.id = table.unsigned_integer_32();
+  if (map.id != expected_id) throw table.error("is not the number of the row, counted from 0");
+  map.map_from_local_map = table.pose();
+  map.scan_count = table.unsigned_integer();
+  map.path_length = table.number();
+  map.displacement = table.number();
+  map.end = read_end(table);
+  table.end_row();
+  return map;
+}
+
+}  // namespace
+
+std::string scans_header() {
+  return "log_index,stamp_ns,pose_stamp_ns,local_map_id," + pose_columns("local_map_from_lidar") +
+         ",deskewed," + pose_columns("sweep_start_from_sweep_end") +
+         ",points_read,points_in_range,iterations,converged";
+}
+
+std::string local_maps_header() {
+  return "local_map_id," + pose_columns("map_from_local_map") +
+         ",scan_count,path_length,displacement,end";
+}
+
+std::string scan_row(const SessionScan& scan) {
+  const MappedScan& mapped = scan.mapped;
+  return RowText()
+      .number(scan.log_index)
+      .number(mapped.stamp_ns)
+      .number(mapped.pose_stamp_ns)
+      .number(std::uint64_t{mapped.local_map_id})
+      .pose(mapped.local_map_from_lidar)
+      .flag(mapped.deskewed)
+      .pose(mapped.sweep_start_from_sweep_end)
+      .number(mapped.points_read)
+      .number(mapped.points_in_range)
+      .number(std::uint64_t{mapped.iterations})
+      .flag(mapped.converged)
+      .line();
+}
+
+std::string local_map_row(const LocalMap& local_map) {
+  return RowText()
+      .number(std::uint64_t{local_map.id})
+      .pose(local_map.map_from_local_map)
+      .number(local_map.scan_count)
+      .number(local_map.path_length)
+      .number(local_map.displacement)
+      .word(local_map.end == LocalMapEnd::split ? "split" : "end_of_log")
+      .line();
+}
+
+std::vector<LocalMap> read_local_maps(const std::filesystem::path& session) {
+  TableReader table(session / local_maps_file_name, local_maps_header(), damaged_session_cure);
+  std::vector<LocalMap> maps;
+  while (table.next_row()) maps.push_back(read_local_map(table, maps.size()));
+  return maps;
+}
+
+void for_each_scan(const std::filesystem::path& session,
+                   const std::vector<LocalMap>& local_maps,
+                   UnclosedScans unclosed,
+                   const std::function<void(const SessionScan&)>& visit) {
+  TableReader table(session / scans_file_name, scans_header(), damaged_session_cure);
+  std::optional<std::uint64_t> last_index;
+  while (table.next_row()) {
+    SessionScan scan = read_scan(table);
+    MappedScan& mapped = scan.mapped;
+    if (last_index && scan.log_index <= *last_index) {
+      throw table.error("ends a scan whose log_index is not above that of the scan before");
+    }
+    last_index = scan.log_index;
+    if (mapped.local_map_id >= local_maps.size()) {
+      if (unclosed == UnclosedScans::pass_over) continue;
+      throw table.error("ends a scan whose local_map_id is not in " +
+                        std::string(local_maps_file_name));
+    }
+    mapped.map_from_lidar =
+        local_maps[mapped.local_map_id].map_from_local_map * mapped.local_map_from_lidar;
+    visit(scan);
+  }
+}
+
+}  // namespace kissmap
