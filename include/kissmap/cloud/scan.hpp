@@ -38,7 +38,7 @@ inline constexpr float max_plausible_range = 10'000.0F;
 /// time offsets finite; time_source is none exactly when time_offsets is empty.
 struct Scan {
   std::int64_t stamp_ns = 0;    ///< ns since the log's epoch
-  bool stamp_is_index = false;  ///< the log has no scan times; stamp_ns counts scans, 1 s apart
+  bool stamp_is_index = false;  ///< the log has no scan times; stamp_ns only counts scans
   StampInstant stamp_instant = StampInstant::unknown;
   Compensation compensation = Compensation::unknown;
   TimeSource time_source = TimeSource::none;
