@@ -83,11 +83,11 @@ fs::path write_ascii(const TempDir& dir, int count) {
           "WIDTH "
        << count << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << count << "\nDATA ascii\n";
   for (int i = 0; i < count; ++i) {
-    if (i == 3) {
+    if (i == 1) {
       text << "nan nan nan 0 0 0\n";
     } else {
-      text << 0.1 * i << " " << -i << " " << 1.5 + i << " " << i % 256 << " " << 1000 * i << " "
-           << i % 64 << "\n";
+      text << 0.1 * i << " " << -0.001 * i << " " << 1.5 + i / 8 << " " << i % 256 << " "
+           << 1000 * i << " " << i % 64 << "\n";
     }
   }
   return dir.write("ascii.pcd", text.str());

@@ -43,6 +43,7 @@ class TempDir {
   fs::path write(const std::string& name, std::string_view content) const {
     const fs::path file = path_ / name;
     fs::create_directories(file.parent_path());
+    fs::remove(file);  // some file systems flush to disk when a file is emptied in place
     std::ofstream(file, std::ios::binary) << content;
     return file;
   }
