@@ -207,6 +207,16 @@ TEST(KittiRaw, DerivesTimesFromAzimuth) {
   EXPECT_EQ(scan.points[0], Eigen::Vector3f(10, 0, 0));  // no correction of elevations here
 }
 
+TEST(KittiRaw, LeavesTimesAwayWhenAsked) {
+  const TempDir dir;
+  write_drive(dir);
+  ReadOptions options;
+  options.time_unit = "none";
+  const auto log = open_log(dir.path(), options);
+  const auto entry = log->next();
+  EXPECT_EQ(scan_of(*entry).time_source, TimeSource::none);
+}
+
 TEST(KittiRaw, RefusesAScanWithoutItsStamp) {
   const TempDir dir;
   write_drive(dir);
