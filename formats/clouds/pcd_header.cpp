@@ -44,7 +44,7 @@ class Entries {
  private:
   void read_line() {
     auto line = lines_.next();
-    if (!line) {
+    if (!line || !lines_.complete()) {
       throw Refusal(refusal_reason::truncated,
                     "the header ends after line " + std::to_string(lines_.number()) +
                         " without DATA; is the file cut?");

@@ -126,7 +126,7 @@ PlyHeader read_ply_header(std::span<const std::byte> file) {
   bool more = true;
   while (more) {
     const auto line = lines.next();
-    if (!line) {
+    if (!line || !lines.complete()) {
       throw Refusal(refusal_reason::truncated,
                     "the header ends after line " + std::to_string(lines.number()) +
                         " without end_header; is the file cut?");

@@ -66,12 +66,7 @@ std::size_t line_of(const ScanFile& scan) {
   throw input_error(scan.path, "the name is no scan number; KITTI raw has 0000000000.bin ...");
 }
 
-Scan decode_scan(std::span<const std::byte> bytes, std::int64_t stamp_ns, const Sweep& sweep) {
-  ReadOptions without_times;
-  without_times.time_unit = "none";
-  Scan scan = ScanDecoder(without_times).decode(read_cloud(bytes, CloudKind::bin, 4), stamp_ns);
-  scan.stamp_instant = StampInstant::sweep_middle;
-  scan.compensation = Compensation::no;
+void derive_times(const Sweep& sweep, Scan& scan) {
   scan.time_offsets.reserve(scan.points.size());
   for (const Eigen::Vector3f& point : scan.points) {
     const double fraction = kitti_sweep_fraction(point);
@@ -79,6 +74,14 @@ Scan decode_scan(std::span<const std::byte> bytes, std::int64_t stamp_ns, const 
     scan.time_offsets.push_back(static_cast<float>(offset));
   }
   scan.time_source = scan.points.empty() ? TimeSource::none : TimeSource::derived;
+}
+
+Scan decode_scan(std::span<const std::byte> bytes, std::int64_t stamp_ns) {
+  ReadOptions without_times;
+  without_times.time_unit = "none";
+  Scan scan = ScanDecoder(without_times).decode(read_cloud(bytes, CloudKind::bin, 4), stamp_ns);
+  scan.stamp_instant = StampInstant::sweep_middle;
+  scan.compensation = Compensation::no;
   return scan;
 }
 
@@ -126,16 +129,20 @@ std::unique_ptr<ScanLog> open_kitti_raw(const fs::path& path, const ReadOptions&
     lines.push_back(line_of(scan));
     scan.stamp_ns = at(stamps.trigger, lines.back());
   }
-  content.info.notes.push_back(
-      "times of points follow from their azimuth, clockwise from the rear");
-  if (stamps.start.empty() || stamps.end.empty()) {
+  const bool with_times = options.time_unit != "none";
+  content.info.notes.push_back(with_times
+                                   ? "times of points follow from azimuth, clockwise from the rear"
+                                   : "no times of points, as asked");
+  if (with_times && (stamps.start.empty() || stamps.end.empty())) {
     content.info.notes.push_back("timestamps_start.txt or _end.txt is missing: sweeps of 0.1 s");
   }
   note_missing(lines, stamps, content);
   std::vector<std::int64_t> stamps_ns;
   for (const ScanFile& scan : content.scans) stamps_ns.push_back(scan.stamp_ns.value_or(0));
   content.decode = [=](std::span<const std::byte> bytes, std::size_t index) {
-    return decode_scan(bytes, stamps_ns[index], sweep_of(stamps, lines[index]));
+    Scan scan = decode_scan(bytes, stamps_ns[index]);
+    if (with_times) derive_times(sweep_of(stamps, lines[index]), scan);
+    return scan;
   };
   return std::make_unique<FolderLog>(std::move(content));
 }

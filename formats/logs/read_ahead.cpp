@@ -33,7 +33,7 @@ class ReadAheadLog : public ScanLog {
   const LogInfo& info() const override { return info_; }
 
   std::optional<LogEntry> next() override {
-    if (!reader_.joinable()) reader_ = std::thread([this] { read(); });
+    start();
     std::unique_lock lock(queue_mutex_);
     filled_.wait(lock, [this] { return !queue_.empty() || ended_; });
     if (!queue_.empty()) {
@@ -43,13 +43,16 @@ class ReadAheadLog : public ScanLog {
       room_.notify_one();
       return entry;
     }
+    lock.unlock();
+    // Once it has joined, the reader holds no share of the exception: this thread alone frees it.
+    if (reader_.joinable()) reader_.join();
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     return std::nullopt;
   }
 
   void skip(std::size_t count) override {
     // Before the first read the log itself can skip without decoding.
-    if (reader_.joinable()) {
+    if (started_) {
       ScanLog::skip(count);
     } else {
       log_->skip(count);
@@ -62,6 +65,10 @@ class ReadAheadLog : public ScanLog {
   }
 
  private:
+  void start() {
+    if (!std::exchange(started_, true)) reader_ = std::thread([this] { read(); });
+  }
+
   void read() {
     try {
       while (wait_for_room()) {
@@ -107,6 +114,7 @@ class ReadAheadLog : public ScanLog {
   std::exception_ptr error_;
   bool ended_ = false;
   bool stop_ = false;
+  bool started_ = false;  ///< the consumer's own
   std::thread reader_;
 };
 

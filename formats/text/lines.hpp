@@ -56,6 +56,8 @@ class Lines {
     return line;
   }
 
+  /// Whether the line taken last has an end; one without may be cut.
+  bool complete() const { return position_ > 0 && text_[position_ - 1] == '\n'; }
   std::size_t number() const { return number_; }      ///< of the line taken last, from 1
   std::size_t position() const { return position_; }  ///< byte behind the line taken last
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include "formats/allocation_meter.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+std::atomic<std::size_t> largest{0};
+
+}  // namespace
+
+namespace kissmap::test {
+
+std::size_t largest_allocation() {
+  return largest;
+}
+
+void forget_allocations() {
+  largest = 0;
+}
+
+}  // namespace kissmap::test
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+void* operator new(std::size_t size) {
+  std::size_t seen = largest;
+  while (size > seen && !largest.compare_exchange_weak(seen, size)) {
+  }
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+#endif

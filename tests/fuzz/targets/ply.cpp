@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#include "formats/clouds/ply.hpp"
+
+#include "formats/clouds/refusal.hpp"
+#include "formats/clouds/scan_decoder.hpp"
+#include "fuzz/target.hpp"
+
+KISSMAP_FUZZ_TARGET(ply) {
+  try {
+    require_consistent(ScanDecoder({}).decode(read_ply(input), 1'700'000'000'000'000'000));
+  } catch (const Refusal&) {
+    // Refusing is an answer; crashing, hanging or an inconsistent scan is not.
+  }
+}
