@@ -16,6 +16,7 @@ Enum read_enum(ByteReader& bytes, Enum last) {
 
 void encode_properties(ByteWriter& bytes, const Scan& scan) {
   bytes.value(scan.stamp_ns);
+  bytes.value(static_cast<std::uint8_t>(scan.stamp_is_index));
   bytes.value(static_cast<std::uint8_t>(scan.stamp_instant));
   bytes.value(static_cast<std::uint8_t>(scan.compensation));
   bytes.value(static_cast<std::uint8_t>(scan.time_source));
@@ -27,6 +28,7 @@ void encode_properties(ByteWriter& bytes, const Scan& scan) {
 Scan decode_properties(ByteReader& bytes) {
   Scan scan;
   scan.stamp_ns = bytes.value<std::int64_t>();
+  scan.stamp_is_index = bytes.value<std::uint8_t>() != 0;
   scan.stamp_instant = read_enum(bytes, StampInstant::sweep_end);
   scan.compensation = read_enum(bytes, Compensation::yes);
   scan.time_source = read_enum(bytes, TimeSource::derived);

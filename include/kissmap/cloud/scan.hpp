@@ -37,7 +37,8 @@ inline constexpr float max_plausible_range = 10'000.0F;
 /// Invariants (see `require_consistent`): points finite, not (0,0,0), within max_plausible_range;
 /// time offsets finite; time_source is none exactly when time_offsets is empty.
 struct Scan {
-  std::int64_t stamp_ns = 0;  ///< ns since the log's epoch
+  std::int64_t stamp_ns = 0;    ///< ns since the log's epoch
+  bool stamp_is_index = false;  ///< the log has no scan times; stamp_ns only counts scans
   StampInstant stamp_instant = StampInstant::unknown;
   Compensation compensation = Compensation::unknown;
   TimeSource time_source = TimeSource::none;

@@ -11,6 +11,7 @@
 
 #include "kissmap/formats/scan_log.hpp"
 #include "kissmap/mapping/local_map.hpp"
+#include "kissmap/mapping/stamp_gaps.hpp"
 
 namespace kissmap {
 
@@ -33,12 +34,6 @@ struct Refusals {
   std::vector<std::string> examples;  ///< at most max_refusal_examples, "name: detail"
 };
 inline constexpr std::size_t max_refusal_examples = 5;
-
-/// A pause in the stamps much longer than the scan period.
-struct StampGap {
-  std::uint64_t log_index = 0;  ///< of the scan after the gap
-  double seconds = 0.0;
-};
 
 struct SessionCounts {
   std::uint64_t scans_read = 0;  ///< entries taken from the log, used or refused

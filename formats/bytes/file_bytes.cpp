@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "formats/bytes/file_bytes.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "formats/clouds/refusal.hpp"
+
+namespace kissmap {
+namespace {
+
+class OpenFile {
+ public:
+  explicit OpenFile(const std::filesystem::path& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0) fail("cannot be opened");
+  }
+  ~OpenFile() { ::close(descriptor_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  std::uint64_t size() const {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) fail("has no size");
+    if (!S_ISREG(status.st_mode)) throw Refusal(refusal_reason::unreadable, "is not a file");
+    return static_cast<std::uint64_t>(status.st_size);
+  }
+
+  /// Bytes read: fewer than asked for only at the end of the file.
+  std::size_t read(std::span<std::byte> out) const {
+    std::size_t done = 0;
+    while (done < out.size()) {
+      const ssize_t count = ::read(descriptor_, out.data() + done, out.size() - done);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail("cannot be read");
+      if (count == 0) break;
+      done += static_cast<std::size_t>(count);
+    }
+    return done;
+  }
+
+ private:
+  [[noreturn]] static void fail(const char* what) {
+    throw Refusal(refusal_reason::unreadable, std::string(what) + ": " + std::strerror(errno));
+  }
+  int descriptor_;
+};
+
+}  // namespace
+
+void read_file(const std::filesystem::path& path, std::vector<std::byte>& buffer) {
+  const OpenFile file(path);
+  const std::uint64_t size = file.size();
+  if (size > max_file_bytes) {
+    throw Refusal(refusal_reason::too_large,
+                  std::to_string(size) + " bytes; a scan has at most 2 GiB. Is it a whole map?");
+  }
+  buffer.resize(static_cast<std::size_t>(size));
+  buffer.resize(file.read(buffer));
+}
+
+std::vector<std::byte> first_bytes(const std::filesystem::path& path, std::size_t count) noexcept {
+  try {
+    std::vector<std::byte> bytes(count);
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
+    bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+    return bytes;
+  } catch (...) {
+    return {};
+  }
+}
+
+std::string xxh3_hex(std::span<const std::byte> bytes) {
+  XXH128_canonical_t digest;
+  XXH128_canonicalFromHash(&digest, XXH3_128bits(bytes.data(), bytes.size()));
+  constexpr const char* digits = "0123456789abcdef";
+  std::string hex;
+  for (const unsigned char byte : digest.digest) {
+    hex += digits[byte >> 4];
+    hex += digits[byte & 15];
+  }
+  return hex;
+}
+
+}  // namespace kissmap

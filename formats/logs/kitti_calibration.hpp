@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "kissmap/geometry/rigid3.hpp"
+
+namespace kissmap {
+
+/// The pose of the LiDAR in the frame of camera 0 (z forward, y down), the frame of KITTI's poses:
+/// line "Tr:" or "Tr_velo_to_cam:" of calib.txt, row-major 3x4. Throws Error(input).
+Rigid3 read_kitti_cam0_from_lidar(const std::filesystem::path& calib_txt);
+
+}  // namespace kissmap

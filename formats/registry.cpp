@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/formats/registry.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "formats/bytes/file_bytes.hpp"
+#include "formats/clouds/cloud_file.hpp"
+#include "formats/logs/logs.hpp"
+#include "formats/session/pack_log.hpp"
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+constexpr LogFormat formats[] = {
+    {"kitti",
+     "KITTI odometry and SemanticKITTI sequences",
+     "sequences/NN/ with velodyne/*.bin, times.txt, calib.txt",
+     probe_kitti_odometry,
+     open_kitti_odometry},
+    {"kitti-raw",
+     "KITTI raw drives, point times from azimuth",
+     "DATE_drive_NNNN_sync/ with velodyne_points/data/*.bin and timestamps.txt",
+     probe_kitti_raw,
+     open_kitti_raw},
+    {"folder",
+     "one .pcd, .ply or .bin file a scan",
+     "a folder of such files, or one with a subfolder of them; times.txt beside; or one file",
+     probe_point_folder,
+     open_point_folder},
+    {packed_format_name,
+     "scans stored by `kissmap run --pack` or `kissmap pack`",
+     "a session folder with packed_log.kmpack, or that file",
+     probe_packed,
+     open_packed},
+};
+
+std::string listed(const std::vector<const LogFormat*>& some) {
+  std::string text;
+  for (const LogFormat* format : some) {
+    text += std::string("\n  ") + format->name + ": " + format->layout;
+  }
+  return text;
+}
+
+std::vector<const LogFormat*> all_formats() {
+  std::vector<const LogFormat*> all;
+  for (const LogFormat& format : formats) all.push_back(&format);
+  return all;
+}
+
+const LogFormat& format_named(const std::string& name) {
+  const auto* found = std::ranges::find(formats, std::string_view(name), &LogFormat::name);
+  if (found == std::end(formats)) {
+    throw usage_error("--format: there is no format '" + name +
+                      "'; known are:" + listed(all_formats()));
+  }
+  return *found;
+}
+
+// What a file or the first file of a folder is instead, where its content tells.
+std::string foreign_kind(const std::filesystem::path& path) {
+  std::filesystem::path file = path;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
+    file = entry.path();
+    if (kind_by_content(first_bytes(file, probe_size))) break;
+  }
+  const auto kind = kind_by_content(first_bytes(file, probe_size));
+  return kind ? file.filename().string() + " is a " + *kind + "; " : "";
+}
+
+const LogFormat& format_of(const std::filesystem::path& path) {
+  std::vector<const LogFormat*> fitting;
+  for (const LogFormat& format : formats) {
+    if (format.probe(path)) fitting.push_back(&format);
+  }
+  if (fitting.size() == 1) return *fitting[0];
+  if (fitting.size() > 1) {
+    throw input_error(path, "several formats fit; choose with --format:" + listed(fitting));
+  }
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error) && std::filesystem::is_empty(path, error)) {
+    throw input_error(path, "an empty folder, no log; known are:" + listed(all_formats()));
+  }
+  throw input_error(
+      path,
+      "not a log kissmap can read; " + foreign_kind(path) + "known are:" + listed(all_formats()));
+}
+
+}  // namespace
+
+std::span<const LogFormat> log_formats() {
+  return formats;
+}
+
+std::unique_ptr<ScanLog> open_log(const std::filesystem::path& path,
+                                  const ReadOptions& options,
+                                  const std::string& format_name) {
+  require_valid(options);
+  const LogFormat* named = format_name.empty() ? nullptr : &format_named(format_name);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw input_error(path, error ? error.message() : "no such file or folder");
+  }
+  return (named != nullptr ? *named : format_of(path)).open(path, options);
+}
+
+}  // namespace kissmap

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "simulator/log_folder.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cinttypes>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "kissmap/error.hpp"
+#include "kissmap/parallel/thread_pool.hpp"
+
+namespace kissmap::simulator {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the PLY writer copies native floats");
+
+std::string stamp_text(std::int64_t stamp_ns, char separator) {
+  char text[40];
+  std::snprintf(text,
+                sizeof(text),
+                "%" PRId64 "%c%09" PRId64,
+                stamp_ns / 1'000'000'000,
+                separator,
+                stamp_ns % 1'000'000'000);
+  return text;
+}
+
+void write_file(const std::filesystem::path& path,
+                const std::string& header,
+                const std::vector<float>& body) {
+  std::ofstream file(path, std::ios::binary);
+  file << header;
+  file.write(reinterpret_cast<const char*>(body.data()),
+             static_cast<std::streamsize>(body.size() * sizeof(float)));
+  file.close();
+  if (!file) throw output_error(path, "cannot be written; is the disk full?");
+}
+
+void write_ply(const Scan& scan, const std::filesystem::path& path) {
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                       std::to_string(scan.points.size()) + "\n";
+  for (const char* property : {"x", "y", "z", "intensity", "time"}) {
+    header += std::string("property float ") + property + "\n";
+  }
+  std::vector<float> body;
+  body.reserve(5 * scan.points.size());
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    body.insert(body.end(), {p.x(), p.y(), p.z(), scan.intensities[i], scan.time_offsets[i]});
+  }
+  write_file(path, header + "end_header\n", body);
+}
+
+std::string truth_line(const Simulator& simulator, std::size_t scan_idx) {
+  const std::int64_t stamp = simulator.stamp_ns(scan_idx + 1);
+  const Rigid3 map_from_lidar = simulator.map_from_lidar(stamp);
+  const Eigen::Vector3d& t = map_from_lidar.translation;
+  const Eigen::Quaterniond& q = map_from_lidar.rotation;
+  char line[256];
+  std::snprintf(line,
+                sizeof(line),
+                "%s %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n",
+                stamp_text(stamp, '.').c_str(),
+                t.x(),
+                t.y(),
+                t.z(),
+                q.x(),
+                q.y(),
+                q.z(),
+                q.w());
+  return line;
+}
+
+void write_scans(const Simulator& simulator,
+                 const std::filesystem::path& folder,
+                 int threads,
+                 const std::function<void(std::size_t done)>& progress) {
+  ThreadPool pool(threads);
+  const std::size_t batch = 8 * static_cast<std::size_t>(pool.size());
+  for (std::size_t begin = 0; begin < simulator.scan_count(); begin += batch) {
+    const std::size_t end = std::min(begin + batch, simulator.scan_count());
+    pool.for_each_chunk(end - begin, [&](std::size_t k) {
+      const Scan scan = simulator.scan(begin + k);
+      write_ply(scan, folder / (stamp_text(scan.stamp_ns, '_') + ".ply"));
+    });
+    progress(end);
+  }
+}
+
+}  // namespace
+
+void write_log_folder(const Simulator& simulator,
+                      const std::filesystem::path& folder,
+                      int threads,
+                      const std::function<void(std::size_t done)>& progress) {
+  if (std::filesystem::exists(folder)) {
+    throw output_error(folder, "exists already; remove it or choose another folder");
+  }
+  const std::filesystem::path partial = folder.string() + ".partial";
+  std::error_code failure;
+  std::filesystem::remove_all(partial, failure);
+  std::filesystem::create_directories(partial / "scans", failure);
+  if (failure) throw output_error(partial, "cannot be made: " + failure.message());
+  write_scans(simulator, partial / "scans", threads, progress);
+  std::string truth;
+  for (std::size_t i = 0; i < simulator.scan_count(); ++i) truth += truth_line(simulator, i);
+  write_file(partial / "truth.tum", truth, {});
+  std::filesystem::rename(partial, folder, failure);
+  if (failure) throw output_error(folder, "cannot be made: " + failure.message());
+}
+
+}  // namespace kissmap::simulator

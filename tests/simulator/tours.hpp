@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "simulator/motion.hpp"
+#include "simulator/office.hpp"
+#include "simulator/town.hpp"
+
+namespace kissmap::simulator {
+
+/// How the car tour meets its beginning again.
+enum class Revisit { same_direction, opposite_direction };
+
+/// A car drives a loop through town and the first part of it again. LiDAR 1.9 m above the road.
+/// At most 10 m/s and 0.7 rad/s; it nods when braking, leans in corners, and heaves.
+Motion town_car_tour(const Town& town,
+                     std::uint64_t seed,
+                     Revisit revisit = Revisit::same_direction);
+
+/// Someone walks around a block, through its courtyard, and on over the first part again, LiDAR in
+/// hand at 1.5 m: the bounce of steps, sway, and looks to the side at up to about 100 deg/s.
+Motion town_walk(const Town& town, std::uint64_t seed);
+
+/// The way of town_walk by a small robot: at most 1.2 m/s, turning in place, LiDAR at 0.6 m.
+Motion town_robot_tour(const Town& town, std::uint64_t seed);
+
+/// A small robot goes around the corridor and into some rooms, turning in place, and beyond its
+/// start. At most 0.9 m/s and 50 deg/s; LiDAR at 0.45 m.
+Motion office_robot_tour(const Office& office, std::uint64_t seed);
+
+/// The way of office_robot_tour on foot, LiDAR in hand.
+Motion office_walk(const Office& office, std::uint64_t seed);
+
+}  // namespace kissmap::simulator

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "simulator/world.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace kissmap::simulator {
+namespace {
+
+struct ClassFacts {
+  const char* name;
+  double reflectivity;
+};
+
+// In the order of ObjectClass.
+constexpr std::array<ClassFacts, 19> class_facts{{
+    {"ground", 0.15},    {"sidewalk", 0.3},   {"building", 0.5},   {"fence", 0.4},
+    {"hedge", 0.45},     {"trunk", 0.3},      {"crown", 0.55},     {"pole", 0.6},
+    {"parked_car", 0.7}, {"floor", 0.25},     {"ceiling", 0.8},    {"wall", 0.7},
+    {"door", 0.5},       {"desk", 0.45},      {"chair_leg", 0.35}, {"chair_seat", 0.2},
+    {"cabinet", 0.55},   {"moving_car", 0.7}, {"pedestrian", 0.4},
+}};
+
+const ClassFacts& facts(ObjectClass object_class) {
+  return class_facts.at(static_cast<std::size_t>(object_class));
+}
+
+double box_distance(const Eigen::Array3d& outside) {
+  return outside.max(0.0).matrix().norm() + std::min(0.0, outside.maxCoeff());
+}
+
+}  // namespace
+
+const char* name(ObjectClass object_class) {
+  return facts(object_class).name;
+}
+
+bool is_moving(ObjectClass object_class) {
+  return object_class == ObjectClass::moving_car || object_class == ObjectClass::pedestrian;
+}
+
+Primitive make_box(ObjectClass object_class,
+                   const Rigid3& world_from_frame,
+                   const Eigen::Vector3d& low_corner,
+                   const Eigen::Vector3d& high_corner) {
+  Primitive box;
+  box.shape = Shape::box;
+  box.object_class = object_class;
+  box.world_from_object = {world_from_frame.rotation,
+                           world_from_frame * (0.5 * (low_corner + high_corner))};
+  box.half_extents = 0.5 * (high_corner - low_corner).cwiseAbs();
+  box.reflectivity = facts(object_class).reflectivity;
+  return box;
+}
+
+Primitive make_cylinder(ObjectClass object_class,
+                        const Rigid3& world_from_frame,
+                        const Eigen::Vector3d& base,
+                        double radius,
+                        double height) {
+  const Eigen::Vector3d half(radius, radius, 0.5 * height);
+  Primitive cylinder = make_box(object_class,
+                                world_from_frame,
+                                base - Eigen::Vector3d(radius, radius, 0.0),
+                                base + Eigen::Vector3d(radius, radius, height));
+  cylinder.shape = Shape::cylinder;
+  cylinder.half_extents = half;
+  return cylinder;
+}
+
+Rigid3 planar_frame(const Eigen::Vector3d& origin, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), origin};
+}
+
+double signed_distance(const Primitive& primitive, const Eigen::Vector3d& point_in_world) {
+  const Eigen::Vector3d p = primitive.world_from_object.inverse() * point_in_world;
+  const Eigen::Vector3d& half = primitive.half_extents;
+  if (primitive.shape == Shape::box) return box_distance(p.array().abs() - half.array());
+  const double radial = std::hypot(p.x(), p.y()) - half.x();
+  const double axial = std::abs(p.z()) - half.z();
+  return std::hypot(std::max(radial, 0.0), std::max(axial, 0.0)) +
+         std::min(0.0, std::max(radial, axial));
+}
+
+Eigen::Vector3d Shuttle::offset(double time) const {
+  const double turns = time / period + phase;
+  return 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * turns)) * travel;
+}
+
+}  // namespace kissmap::simulator

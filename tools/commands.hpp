@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "configuration.hpp"
+#include "kissmap/formats/scan_log.hpp"
+
+namespace kissmap {
+
+struct RunCommand {
+  std::filesystem::path log;
+  std::filesystem::path session;
+  std::string format;
+  ConfigurationFlags configuration;
+  ScanSelection selection;
+  int threads = 0;
+  bool pack = false;
+  bool overwrite = false;
+  bool quiet = false;
+};
+void run(const RunCommand& command);
+
+struct InfoCommand {
+  std::filesystem::path path;
+  std::string format;
+  bool all = false;
+};
+void info(const InfoCommand& command);
+
+struct PackCommand {
+  std::filesystem::path session;
+  std::filesystem::path log;
+};
+void pack(const PackCommand& command);
+
+void list_formats();
+void print_default_configuration();
+
+}  // namespace kissmap

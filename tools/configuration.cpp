@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "configuration.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <sstream>
+
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+std::string flag_of(std::string key) {
+  std::ranges::replace(key, '_', '-');
+  return "--" + key;
+}
+
+template <typename Number>
+std::string shortest(Number value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, std::end(buffer), value).ptr};
+}
+
+// "100" would be an integer in TOML.
+std::string toml_double(double value) {
+  const std::string text = shortest(value);
+  return text.find_first_not_of("-0123456789") == std::string::npos ? text + ".0" : text;
+}
+
+std::string toml_value(const Setting& setting) {
+  return std::visit(Overloaded{[](const double* v) { return toml_double(*v); },
+                               [](const int* v) { return shortest(*v); },
+                               [](const bool* v) { return std::string(*v ? "true" : "false"); },
+                               [](const std::string* v) { return '"' + *v + '"'; }},
+                    setting.value);
+}
+
+template <typename Number>
+bool parse_number(const std::string& text, Number& value) {
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && rest == end;
+}
+
+bool parse_bool(const std::string& text, bool& value) {
+  value = text == "true";
+  return value || text == "false";
+}
+
+// `where` begins the error: a flag, or file and line.
+void set(const Setting& setting, const std::string& text, const std::string& where) {
+  const char* wanted = nullptr;
+  std::visit(
+      Overloaded{[&](double* v) { wanted = parse_number(text, *v) ? nullptr : "a number"; },
+                 [&](int* v) { wanted = parse_number(text, *v) ? nullptr : "a whole number"; },
+                 [&](bool* v) { wanted = parse_bool(text, *v) ? nullptr : "true or false"; },
+                 [&](std::string* v) { *v = text; }},
+      setting.value);
+  if (wanted == nullptr) return;
+  throw usage_error(where + ": " + setting.key + " = '" + text + "' is not " + wanted);
+}
+
+const Setting* find(const std::vector<Setting>& all, const std::string& key) {
+  const auto found = std::ranges::find_if(all, [&](const Setting& s) { return key == s.key; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::string keys_of(const std::vector<Setting>& all) {
+  std::string keys;
+  for (const Setting& setting : all) keys += std::string(keys.empty() ? "" : ", ") + setting.key;
+  return keys;
+}
+
+// CLI11 does not tell lines, so look for the one that sets the key.
+std::string place(const std::filesystem::path& file,
+                  const std::string& text,
+                  const std::string& key) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::size_t begin = line.find_first_not_of(" \t\"'");
+    if (begin != std::string::npos && line.compare(begin, key.size(), key) == 0) {
+      return file.string() + ":" + std::to_string(number);
+    }
+  }
+  return file.string();
+}
+
+}  // namespace
+
+void require_valid(const Configuration& configuration) {
+  require_valid(configuration.log);
+  require_valid(configuration.odometry);
+  require_valid(configuration.local_maps);
+}
+
+std::vector<Setting> settings(Configuration& c) {
+  return {
+      {"log",
+       "kitti_elevation_correction",
+       "",
+       "raise the points of KITTI odometry logs by 0.205 degrees, undoing an error of their "
+       "calibration; no effect on other formats",
+       &c.log.kitti_elevation_correction},
+      {"log",
+       "time_field",
+       "",
+       "name of the per-point time field; empty: found by rule",
+       &c.log.time_field},
+      {"log",
+       "time_unit",
+       "",
+       "unit of that field: s, ms, us, ns, or none to ignore it; empty: found by rule",
+       &c.log.time_unit},
+      {"log",
+       "bin_columns",
+       "",
+       "float32 columns of headerless .bin files; 0: found by rule",
+       &c.log.bin_columns},
+      {"odometry", "max_range", "m", "farther points are dropped", &c.odometry.max_range},
+      {"odometry", "min_range", "m", "nearer points are dropped", &c.odometry.min_range},
+      {"odometry",
+       "voxel_size",
+       "m",
+       "of the odometry's map; 0: max_range / 100",
+       &c.odometry.voxel_size},
+      {"odometry",
+       "deskew",
+       "",
+       "undo the motion inside a sweep where points have times",
+       &c.odometry.deskew},
+      {"odometry",
+       "max_points_per_voxel",
+       "",
+       "of the odometry's map",
+       &c.odometry.max_points_per_voxel},
+      {"odometry",
+       "initial_threshold",
+       "m",
+       "expected error of the motion model before any scan",
+       &c.odometry.initial_threshold},
+      {"odometry",
+       "min_motion",
+       "m",
+       "smaller errors of the motion model do not count",
+       &c.odometry.min_motion},
+      {"odometry",
+       "max_iterations",
+       "",
+       "of the registration of one scan",
+       &c.odometry.registration.max_iterations},
+      {"odometry",
+       "min_update",
+       "m, rad",
+       "a smaller step ends the registration of a scan",
+       &c.odometry.registration.min_update},
+      {"local_maps",
+       "local_map_voxel_size",
+       "m",
+       "of the grid of a local map",
+       &c.local_maps.voxel_size},
+      {"local_maps",
+       "local_map_points_per_voxel",
+       "",
+       "of the grid of a local map",
+       &c.local_maps.max_points_per_voxel},
+      {"local_maps",
+       "splitting_distance",
+       "m",
+       "distance from its keypose at which a local map is closed",
+       &c.local_maps.splitting_distance},
+  };
+}
+
+std::string to_toml(Configuration configuration) {
+  std::string text =
+      "# kissmap configuration. Every key is also a flag: max_range is --max-range.\n";
+  std::string section;
+  for (const Setting& setting : settings(configuration)) {
+    if (section != setting.section) {
+      section = setting.section;
+      text += "\n[" + section + "]\n";
+    }
+    const std::string unit = *setting.unit == '\0' ? "" : " [" + std::string(setting.unit) + "]";
+    text += std::string(setting.key) + " = " + toml_value(setting) + "  # " + setting.meaning +
+            unit + "\n";
+  }
+  return text;
+}
+
+void ConfigurationFlags::add_to(CLI::App& command) {
+  command.add_option("--config", config_file_, "TOML file with settings; flags win over it")
+      ->type_name("FILE");
+  Configuration defaults;
+  const std::vector<Setting> all = settings(defaults);
+  given_.reserve(all.size());  // the options keep references
+  for (const Setting& setting : all) {
+    given_.emplace_back(setting.key, std::nullopt);
+    std::string type = *setting.unit == '\0' ? "" : "[" + std::string(setting.unit) + "]";
+    if (std::holds_alternative<bool*>(setting.value)) type = "true|false";
+    command.add_option(flag_of(setting.key), given_.back().second, setting.meaning)
+        ->type_name(type + " (" + toml_value(setting) + ")")
+        ->group("Settings [" + std::string(setting.section) + "] (with default)");
+  }
+}
+
+Configuration ConfigurationFlags::configuration() const {
+  Configuration configuration;
+  if (!config_file_.empty()) apply_file(config_file_, configuration);
+  const std::vector<Setting> all = settings(configuration);
+  for (const auto& [key, text] : given_) {
+    if (text) set(*find(all, key), *text, flag_of(key));
+  }
+  require_valid(configuration);
+  return configuration;
+}
+
+void apply_file(const std::filesystem::path& file, Configuration& configuration) {
+  std::ifstream in(file);
+  std::stringstream content;
+  if (!in || !(content << in.rdbuf())) {
+    throw usage_error(file.string() + ": cannot be read as a configuration");
+  }
+  std::istringstream toml(content.str());
+  const std::vector<Setting> all = settings(configuration);
+  for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(toml)) {
+    if (item.name == "++" || item.name == "--") continue;  // section marks of CLI11
+    const std::string where = place(file, content.str(), item.name);
+    const Setting* setting = find(all, item.name);
+    const std::string section = item.parents.empty() ? "" : item.parents.front();
+    if (setting == nullptr || section != setting->section) {
+      const std::string name = (section.empty() ? "" : section + ".") + item.name;
+      throw usage_error(where + ": unknown key '" + name + "'" +
+                        (setting == nullptr
+                             ? "; known are " + keys_of(all)
+                             : "; it belongs under [" + std::string(setting->section) + "]"));
+    }
+    if (item.inputs.size() != 1) throw usage_error(where + ": " + item.name + " needs one value");
+    set(*setting, item.inputs.front(), where);
+  }
+}
+
+}  // namespace kissmap

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "map_log.hpp"
+
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+/// Keeps the books of a run.
+class Books {
+ public:
+  MappedLog totals;
+
+  void refuse(const LogEntry& entry, const std::string& reason, const std::string& detail) {
+    Refusals& refusals = totals.counts.scans_refused[reason];
+    ++refusals.count;
+    if (refusals.examples.size() < max_refusal_examples) {
+      refusals.examples.push_back(detail.empty() ? entry.name : entry.name + ": " + detail);
+    }
+  }
+
+  void use(const LogEntry& entry, const MappedScan& scan) {
+    SessionCounts& counts = totals.counts;
+    ++counts.scans_used;
+    counts.scans_not_converged += scan.converged ? 0 : 1;
+    counts.points_read += scan.points_read;
+    counts.points_out_of_range += scan.points_read - scan.points_in_range;
+    gaps_.observe(entry.index, scan.stamp_ns);
+    if (last_) {
+      totals.path_length +=
+          (last_->map_from_lidar.inverse() * scan.map_from_lidar).translation.norm();
+    } else {
+      first_stamp_ = scan.pose_stamp_ns;
+    }
+    totals.log_seconds = 1e-9 * static_cast<double>(scan.pose_stamp_ns - first_stamp_);
+    last_ = scan;
+  }
+
+  MappedLog finish() {
+    totals.counts.gaps = gaps_.gaps();
+    return totals;
+  }
+
+ private:
+  StampGaps gaps_;
+  std::optional<MappedScan> last_;
+  std::int64_t first_stamp_ = 0;
+};
+
+[[noreturn]] void refuse_log(const ScanLog& log, const SessionCounts& counts) {
+  if (counts.scans_read == 0) throw input_error(log.info().path, "holds no scan");
+  std::string message = "none of its " + std::to_string(counts.scans_read) + " scans can be used";
+  for (const auto& [reason, refusals] : counts.scans_refused) {
+    message += "\n  " + std::to_string(refusals.count) + " x " + reason + ", for example " +
+               refusals.examples.front();
+  }
+  throw input_error(log.info().path, message);
+}
+
+}  // namespace
+
+MappedLog map_log(ScanLog& log,
+                  Mapper& mapper,
+                  SessionWriter& session,
+                  PackWriter* pack,
+                  const std::function<void(const RunProgress&)>& progress) {
+  Books books;
+  const auto write_map = [&](const std::optional<LocalMap>& closed) {
+    if (!closed) return;
+    session.add_local_map(*closed);
+    ++books.totals.local_maps;
+  };
+  while (const std::optional<LogEntry> entry = log.next()) {
+    ++books.totals.counts.scans_read;
+    if (pack != nullptr) pack->add(*entry);
+    if (const auto* refused = std::get_if<RefusedScan>(&entry->content)) {
+      books.refuse(*entry, refused->reason, refused->detail);
+      continue;
+    }
+    const auto& scan = std::get<Scan>(entry->content);
+    books.totals.counts.points_dropped += scan.dropped;
+    const MapperStep step = mapper.add(scan);
+    if (const auto* refusal = std::get_if<ScanRefusal>(&step.scan)) {
+      books.refuse(*entry, to_string(*refusal), "");
+      continue;
+    }
+    const auto& mapped = std::get<MappedScan>(step.scan);
+    books.use(*entry, mapped);
+    session.add_scan({entry->index, mapped});
+    write_map(step.closed);
+    progress({books.totals.counts.scans_read,
+              log.info().scan_count,
+              books.totals.log_seconds,
+              books.totals.path_length});
+  }
+  if (books.totals.counts.scans_used == 0) refuse_log(log, books.totals.counts);
+  write_map(mapper.finish());
+  return books.finish();
+}
+
+}  // namespace kissmap

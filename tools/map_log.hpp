@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "kissmap/formats/pack.hpp"
+#include "kissmap/formats/session.hpp"
+#include "kissmap/mapping/mapper.hpp"
+#include "progress.hpp"
+
+namespace kissmap {
+
+/// What a run learned beyond the rows it wrote.
+struct MappedLog {
+  SessionCounts counts;
+  double path_length = 0.0;  ///< m
+  double log_seconds = 0.0;  ///< s, from the first used scan's pose to the last's
+  std::uint32_t local_maps = 0;
+};
+
+/// Feeds a log through the mapper and writes scans and local maps as they come. With a pack, every
+/// entry of the log goes there too. Throws Error(input), and writes no local map, when not a
+/// single scan could be used.
+MappedLog map_log(ScanLog& log,
+                  Mapper& mapper,
+                  SessionWriter& session,
+                  PackWriter* pack,
+                  const std::function<void(const RunProgress&)>& progress);
+
+}  // namespace kissmap

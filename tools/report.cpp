@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "report.hpp"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace kissmap {
+
+std::string with_commas(std::uint64_t value) {
+  std::string digits = std::to_string(value);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+  return digits;
+}
+
+std::string text(const char* pattern, ...) {
+  va_list arguments;
+  va_start(arguments, pattern);
+  va_list again;
+  va_copy(again, arguments);
+  std::string result(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, pattern, arguments)),
+                     '\0');
+  std::vsnprintf(result.data(), result.size() + 1, pattern, again);
+  va_end(again);
+  va_end(arguments);
+  return result;
+}
+
+std::string describe_refusals(const SessionCounts& counts) {
+  std::string lines;
+  for (const auto& [reason, refusals] : counts.scans_refused) {
+    lines += "  left out    " + with_commas(refusals.count) +
+             (refusals.count == 1 ? " scan: " : " scans: ") + reason + "\n";
+    for (const std::string& example : refusals.examples)
+      lines += "                " + example + "\n";
+    if (refusals.count > refusals.examples.size()) lines += "                ...\n";
+  }
+  const DroppedReturns& dropped = counts.points_dropped;
+  if (dropped.total() > 0) {
+    lines += "  left out    " + with_commas(dropped.total()) +
+             " returns: " + with_commas(dropped.non_finite) + " not finite, " +
+             with_commas(dropped.zero) + " at the origin, " + with_commas(dropped.implausible) +
+             " beyond 10 km\n";
+  }
+  if (counts.points_out_of_range > 0) {
+    lines += "  left out    " + with_commas(counts.points_out_of_range) +
+             " returns: outside min_range..max_range\n";
+  }
+  if (counts.scans_not_converged > 0) {
+    lines += "  take care   " + with_commas(counts.scans_not_converged) +
+             " scans whose registration did not converge\n";
+  }
+  for (const StampGap& gap : counts.gaps) {
+    lines += text("  take care   a gap of %.1f s before scan %llu\n",
+                  gap.seconds,
+                  static_cast<unsigned long long>(gap.log_index));
+  }
+  return lines;
+}
+
+std::string describe(const PackSummary& pack) {
+  const double per_point =
+      pack.points == 0 ? 0.0 : static_cast<double>(pack.bytes) / static_cast<double>(pack.points);
+  return text("%.1f MB, %.2f bytes/point, coordinates in steps of %.0f mm",
+              1e-6 * static_cast<double>(pack.bytes),
+              per_point,
+              1e3 * pack.resolution);
+}
+
+}  // namespace kissmap

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "kissmap/formats/session.hpp"
+
+namespace kissmap {
+
+/// "1234567" -> "1,234,567"
+std::string with_commas(std::uint64_t value);
+
+/// printf for strings.
+[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
+
+/// What was left out of a run and why, a line each, indented; empty if nothing was.
+std::string describe_refusals(const SessionCounts& counts);
+
+/// "2.4 bytes/point" and so on.
+std::string describe(const PackSummary& pack);
+
+}  // namespace kissmap

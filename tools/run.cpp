@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include <cstdio>
+
+#include "commands.hpp"
+#include "kissmap/formats/pictures.hpp"
+#include "kissmap/formats/registry.hpp"
+#include "kissmap/version.hpp"
+#include "map_log.hpp"
+#include "progress.hpp"
+#include "report.hpp"
+
+namespace kissmap {
+namespace {
+
+SessionManifest manifest_of(const RunCommand& command,
+                            const Configuration& configuration,
+                            const ScanLog& log,
+                            const MappedLog& mapped) {
+  SessionManifest manifest;
+  manifest.program_version = version();
+  manifest.log.path = std::filesystem::absolute(log.info().path).lexically_normal();
+  manifest.log.format = log.info().format;
+  manifest.log.stamp_source = log.info().stamp_source;
+  manifest.log.read_options = configuration.log;
+  manifest.log.selection = command.selection;
+  manifest.log.files = log.files();
+  manifest.configuration = to_toml(configuration);
+  manifest.counts = mapped.counts;
+  manifest.path_length = mapped.path_length;
+  return manifest;
+}
+
+void report(const RunCommand& command,
+            const SessionManifest& manifest,
+            const MappedLog& mapped,
+            double seconds) {
+  const auto scans = static_cast<double>(mapped.counts.scans_read);
+  std::printf("%s\n", command.session.c_str());
+  std::printf("  scans       %s used of %s, stamps from %s\n",
+              with_commas(mapped.counts.scans_used).c_str(),
+              with_commas(mapped.counts.scans_read).c_str(),
+              manifest.log.stamp_source.c_str());
+  std::printf("  path        %.1f m in %u local map%s\n",
+              mapped.path_length,
+              mapped.local_maps,
+              mapped.local_maps == 1 ? "" : "s");
+  std::printf("  time        %.1f s, %.1f scans/s, %.1f times real time\n",
+              seconds,
+              scans / seconds,
+              mapped.log_seconds / seconds);
+  if (manifest.pack) std::printf("  pack        %s\n", describe(*manifest.pack).c_str());
+  std::fputs(describe_refusals(mapped.counts).c_str(), stdout);
+  std::printf("  look at     %s\n", (command.session / "map.png").c_str());
+}
+
+}  // namespace
+
+void run(const RunCommand& command) {
+  const Configuration configuration = command.configuration.configuration();
+  require_valid(command.selection);
+  const auto log = read_ahead(
+      select_scans(open_log(command.log, configuration.log, command.format), command.selection));
+  if (!command.quiet) {
+    for (const std::string& note : log->info().notes) std::printf("note: %s\n", note.c_str());
+  }
+  ThreadPool pool(command.threads);
+  Mapper mapper(configuration.odometry, configuration.local_maps, pool);
+  SessionWriter session(command.session, command.overwrite);
+  std::optional<PackWriter> pack;
+  if (command.pack) pack.emplace(session.partial_path() / pack_file_name);
+
+  MappedLog mapped;
+  double seconds = 0.0;
+  {
+    ProgressLine line(!command.quiet);
+    mapped = map_log(
+        *log, mapper, session, pack ? &*pack : nullptr, [&line](const RunProgress& progress) {
+          line.show(progress);
+        });
+    seconds = line.seconds();
+  }
+  SessionManifest manifest = manifest_of(command, configuration, *log, mapped);
+  if (pack) {
+    pack->finish();
+    manifest.pack = PackSummary{pack->bytes(), pack->points(), pack_resolution};
+  }
+  write_png(draw_map_from_above(session.partial_path()), session.partial_path() / "map.png");
+  session.finish(manifest);
+  if (!command.quiet) report(command, manifest, mapped, seconds);
+}
+
+}  // namespace kissmap
