@@ -7,12 +7,11 @@
 namespace kissmap {
 namespace {
 
-constexpr int glyph_width = 3;
-constexpr int glyph_height = 5;
+constexpr std::size_t glyph_height = 5;
 
 struct Glyph {
   char character;
-  std::array<const char*, glyph_height> rows;
+  std::array<std::string_view, glyph_height> rows;  // equally long
 };
 
 constexpr std::array<Glyph, 13> glyphs = {{
@@ -28,12 +27,19 @@ constexpr std::array<Glyph, 13> glyphs = {{
     {'9', {"###", "# #", "###", "  #", "###"}},
     {'.', {"   ", "   ", "   ", "   ", " # "}},
     {'k', {"#  ", "# #", "## ", "## ", "# #"}},
-    {'m', {"   ", "   ", "###", "###", "# #"}},
+    {'m', {"     ", "     ", "#### ", "# # #", "# # #"}},
 }};
 
-const Glyph* find_glyph(char character) {
+constexpr Glyph blank = {' ', {"  ", "  ", "  ", "  ", "  "}};
+
+const Glyph& find_glyph(char character) {
   const auto glyph = std::ranges::find(glyphs, character, &Glyph::character);
-  return glyph == glyphs.end() ? nullptr : &*glyph;
+  return glyph == glyphs.end() ? blank : *glyph;
+}
+
+// With the gap before the next character.
+int advance(const Glyph& glyph) {
+  return static_cast<int>(glyph.rows[0].size()) + 1;
 }
 
 float distance_to_segment(const Eigen::Vector2f& point,
@@ -125,21 +131,23 @@ void Canvas::draw_line(const std::vector<Eigen::Vector2f>& points,
 
 void Canvas::draw_text(int left, int top, int unit, std::string_view text, const Colour& colour) {
   for (const char character : text) {
-    const Glyph* glyph = find_glyph(character);
-    for (int row = 0; glyph != nullptr && row < glyph_height; ++row) {
-      for (int column = 0; column < glyph_width; ++column) {
-        if (glyph->rows[static_cast<std::size_t>(row)][column] != '#') continue;
-        const int x = left + column * unit;
-        const int y = top + row * unit;
+    const Glyph& glyph = find_glyph(character);
+    for (std::size_t row = 0; row < glyph_height; ++row) {
+      for (std::size_t column = 0; column < glyph.rows[row].size(); ++column) {
+        if (glyph.rows[row][column] != '#') continue;
+        const int x = left + static_cast<int>(column) * unit;
+        const int y = top + static_cast<int>(row) * unit;
         fill_rectangle(x, y, x + unit - 1, y + unit - 1, colour);
       }
     }
-    left += (glyph_width + 1) * unit;
+    left += advance(glyph) * unit;
   }
 }
 
 int text_width(std::string_view text, int unit) {
-  return text.empty() ? 0 : (static_cast<int>(text.size()) * (glyph_width + 1) - 1) * unit;
+  int dots = 0;
+  for (const char character : text) dots += advance(find_glyph(character));
+  return std::max(0, dots - 1) * unit;
 }
 
 }  // namespace kissmap

@@ -17,7 +17,8 @@ constexpr double cut_height_share = 0.02;  // of the surfels at each end of the 
 constexpr double min_pixel_size = 0.04;    // m; surfels are decimetres apart
 constexpr double margin = 0.03;            // of the longer side
 constexpr double margin_below = 0.07;      // room for the scale bar
-constexpr float surfel_radius = 0.35F;     // m; discs of neighbours half a metre apart just overlap
+// Discs of neighbours half a metre apart blend into an even surface.
+constexpr float surfel_radius = 0.6F;  // m
 
 using SurfelVisitor =
     std::function<void(const Eigen::Vector3d& mean, const Eigen::Vector3d& normal)>;

@@ -28,7 +28,7 @@ void encode_properties(ByteWriter& bytes, const Scan& scan) {
 Scan decode_properties(ByteReader& bytes) {
   Scan scan;
   scan.stamp_ns = bytes.value<std::int64_t>();
-  scan.stamp_is_index = bytes.value<std::uint8_t>() != 0;
+  scan.stamp_is_index = read_enum<std::uint8_t>(bytes, 1) != 0;
   scan.stamp_instant = read_enum(bytes, StampInstant::sweep_end);
   scan.compensation = read_enum(bytes, Compensation::yes);
   scan.time_source = read_enum(bytes, TimeSource::derived);

@@ -137,6 +137,8 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file(const std::filesystem::path& path, const std::string& bytes) {
+  // File systems flush a file to the disk that was emptied and written again, not a new one.
+  std::filesystem::remove(path);
   std::ofstream stream(path, std::ios::binary | std::ios::trunc);
   stream << bytes;
   EXPECT_TRUE(stream.flush()) << path;

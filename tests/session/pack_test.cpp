@@ -76,6 +76,7 @@ TEST_F(Pack, KeepsAScanWithinItsResolution) {
   const Scan scan = example_scan(1);
   const Scan result = packed(scan);
   EXPECT_EQ(result.stamp_ns, scan.stamp_ns);
+  EXPECT_FALSE(result.stamp_is_index);
   EXPECT_EQ(result.stamp_instant, scan.stamp_instant);
   EXPECT_EQ(result.compensation, scan.compensation);
   EXPECT_EQ(result.time_source, scan.time_source);
@@ -130,7 +131,9 @@ TEST_F(Pack, KeepsEntriesNamesRefusalsAndOrder) {
 TEST_F(Pack, KeepsScansWithoutPointsTimesOrIntensities) {
   Scan scan;
   scan.stamp_ns = std::numeric_limits<std::int64_t>::min();
+  scan.stamp_is_index = true;
   EXPECT_TRUE(packed(scan).points.empty());
+  EXPECT_TRUE(packed(scan).stamp_is_index);
   EXPECT_EQ(packed(scan).stamp_ns, scan.stamp_ns);
   scan.points = {{1.0F, 2.0F, 3.0F}};
   const Scan result = packed(scan);
