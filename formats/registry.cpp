@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/clouds/cloud_file.hpp"
 #include "formats/logs/logs.hpp"
 #include "formats/session/pack_log.hpp"

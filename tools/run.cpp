@@ -69,6 +69,7 @@ void run(const RunCommand& command) {
   std::optional<PackWriter> pack;
   if (command.pack) pack.emplace(session.partial_path() / pack_file_name);
 
+  session.describe(manifest_of(command, configuration, *log, {}));
   MappedLog mapped;
   double seconds = 0.0;
   {

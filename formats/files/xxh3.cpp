@@ -25,6 +25,10 @@ std::string xxh3_hex(std::string_view bytes) {
   return hex_text(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
+std::string xxh3_hex(std::span<const std::byte> bytes) {
+  return xxh3_hex(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
 std::uint64_t xxh3_64(std::string_view bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }

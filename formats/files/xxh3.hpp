@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -12,6 +14,7 @@ namespace kissmap {
 
 /// XXH3-128 of some bytes, 32 hex digits, as LogFile::xxh3 holds it and `xxh128sum` prints it.
 std::string xxh3_hex(std::string_view bytes);
+std::string xxh3_hex(std::span<const std::byte> bytes);
 
 /// XXH3-64 with seed 0.
 std::uint64_t xxh3_64(std::string_view bytes);

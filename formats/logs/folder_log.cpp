@@ -5,7 +5,8 @@
 #include <system_error>
 #include <utility>
 
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
+#include "formats/files/xxh3.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/text/stamps.hpp"
 #include "kissmap/error.hpp"

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/text/lines.hpp"
 #include "kissmap/error.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/clouds/bin.hpp"
 #include "formats/clouds/cloud_file.hpp"
 #include "formats/clouds/refusal.hpp"

@@ -4,7 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
+#include "formats/files/xxh3.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/text/lines.hpp"
 #include "formats/text/stamps.hpp"

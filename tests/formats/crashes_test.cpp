@@ -5,7 +5,7 @@
 #include <functional>
 #include <map>
 
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/support.hpp"
 
 namespace kissmap {

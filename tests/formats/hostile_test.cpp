@@ -8,7 +8,7 @@
 #include <random>
 
 #include "formats/allocation_meter.hpp"
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/support.hpp"
 
 namespace kissmap {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,21 +10,33 @@
 
 namespace kissmap {
 
-/// Thins a cloud to one original point a voxel: the first in the order given, so the result is a
-/// subsequence of the input and depends on nothing else. Keeps its table between calls, so that
-/// clouds of similar size need no allocation. Not thread safe.
+/// Thins a cloud to one original point a voxel: the one nearest the voxel's centre, the first of
+/// equals. Unlike the first in recorded order, it does not lean to the side from which a sensor
+/// sweeps, and is the same in whatever order a sensor writes its points.
+///
+/// Kept points come in the order of their voxels' hashes, so that neighbours in space are strewn
+/// over the result: whoever takes some of them in turn takes them from everywhere.
+/// The result depends on the points alone. The table is kept between calls, so that clouds of
+/// similar size need no allocation. Not thread safe.
 class VoxelFilter {
  public:
-  /// `voxel_size` > 0 [m]. Writes the kept points to `kept` (its old content is dropped).
+  /// `voxel_size` > 0 [m]. Writes the kept points to `kept`, which must not be `points`.
   void apply(std::span<const Eigen::Vector3f> points,
              double voxel_size,
              std::vector<Eigen::Vector3f>& kept);
 
  private:
-  bool insert(VoxelKey key);
+  struct Entry {
+    VoxelKey key = no_voxel;
+    std::uint32_t point_idx = 0;
+    float squared_distance = 0.0F;  ///< voxels^2, from the voxel's centre
+  };
+
+  Entry& slot_of(VoxelKey key);
   void grow();
 
-  std::vector<VoxelKey> table_;  ///< open addressing, linear probing, at most half full
+  std::vector<Entry> table_;  ///< open addressing, linear probing, at most half full
+  std::vector<Entry> old_table_;
   std::size_t used_ = 0;
   unsigned bits_ = 0;
 };

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
+#include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "support/random_clouds.hpp"
@@ -18,31 +19,60 @@ TEST(VoxelKey, RoundTripsNegativeAndExtremeIndices) {
   }
 }
 
-TEST(VoxelFilter, KeepsTheFirstPointOfEachVoxelInOrder) {
-  std::mt19937 random(11);
-  VoxelFilter filter;
+std::vector<Eigen::Vector3f> thinned(const std::vector<Eigen::Vector3f>& points,
+                                     double voxel_size,
+                                     VoxelFilter filter = {}) {
   std::vector<Eigen::Vector3f> kept;
+  filter.apply(points, voxel_size, kept);
+  return kept;
+}
+
+std::vector<Eigen::Vector3f> sorted(std::vector<Eigen::Vector3f> points) {
+  std::ranges::sort(points, [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  });
+  return points;
+}
+
+TEST(VoxelFilter, KeepsThePointNearestTheCentreOfEachVoxel) {
+  std::mt19937 random(11);
   for (const std::size_t n : {0U, 1U, 500U, 60'000U, 200U}) {
     const auto points = uniform_cloud(random, n, 20.0F);
-    std::set<std::tuple<int, int, int>> seen;
-    std::vector<Eigen::Vector3f> expected;
+    std::map<std::tuple<int, int, int>, std::pair<double, Eigen::Vector3f>> nearest;
     for (const Eigen::Vector3f& p : points) {
-      const auto index = [](float value) { return static_cast<int>(std::floor(value / 0.5F)); };
-      if (seen.insert({index(p.x()), index(p.y()), index(p.z())}).second) expected.push_back(p);
+      const Eigen::Array3i index = (p.array() / 0.5F).floor().cast<int>();
+      const double distance =
+          ((p.array() / 0.5F).cast<double>() - index.cast<double>() - 0.5).matrix().norm();
+      const auto [it, added] = nearest.try_emplace({index.x(), index.y(), index.z()}, distance, p);
+      if (distance < it->second.first - 1e-5) it->second = {distance, p};
     }
-    filter.apply(points, 0.5, kept);
-    EXPECT_EQ(kept, expected) << n << " points";
+    std::vector<Eigen::Vector3f> expected;
+    for (const auto& item : nearest) expected.push_back(item.second.second);
+    EXPECT_EQ(sorted(thinned(points, 0.5)), sorted(expected)) << n << " points";
   }
 }
 
-TEST(VoxelFilter, IsIdempotent) {
+TEST(VoxelFilter, KeepsTheSamePointsInWhateverOrderTheyCome) {
   std::mt19937 random(12);
-  VoxelFilter filter;
-  std::vector<Eigen::Vector3f> once;
-  std::vector<Eigen::Vector3f> twice;
-  filter.apply(uniform_cloud(random, 5000, 10.0F), 1.5, once);
-  filter.apply(once, 1.5, twice);
-  EXPECT_EQ(once, twice);
+  auto points = uniform_cloud(random, 30'000, 15.0F);
+  const auto kept = sorted(thinned(points, 0.5));
+  std::ranges::shuffle(points, random);
+  EXPECT_EQ(sorted(thinned(points, 0.5)), kept);
+}
+
+TEST(VoxelFilter, RemembersNothingOfEarlierClouds) {
+  std::mt19937 random(13);
+  const auto points = uniform_cloud(random, 3000, 10.0F);
+  VoxelFilter used;
+  std::vector<Eigen::Vector3f> other;
+  used.apply(uniform_cloud(random, 100'000, 60.0F), 0.5, other);
+  EXPECT_EQ(thinned(points, 0.5, used), thinned(points, 0.5));
+}
+
+TEST(VoxelFilter, IsIdempotent) {
+  std::mt19937 random(14);
+  const auto once = thinned(uniform_cloud(random, 5000, 10.0F), 1.5);
+  EXPECT_EQ(sorted(thinned(once, 1.5)), sorted(once));
 }
 
 }  // namespace

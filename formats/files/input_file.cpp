@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "formats/bytes/file_bytes.hpp"
+#include "formats/files/input_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <xxhash.h>
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -75,18 +73,6 @@ std::vector<std::byte> first_bytes(const std::filesystem::path& path, std::size_
   } catch (...) {
     return {};
   }
-}
-
-std::string xxh3_hex(std::span<const std::byte> bytes) {
-  XXH128_canonical_t digest;
-  XXH128_canonicalFromHash(&digest, XXH3_128bits(bytes.data(), bytes.size()));
-  constexpr const char* digits = "0123456789abcdef";
-  std::string hex;
-  for (const unsigned char byte : digest.digest) {
-    hex += digits[byte >> 4];
-    hex += digits[byte & 15];
-  }
-  return hex;
 }
 
 }  // namespace kissmap

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <span>
-#include <string>
 #include <vector>
 
 namespace kissmap {
@@ -19,8 +17,5 @@ void read_file(const std::filesystem::path& path, std::vector<std::byte>& buffer
 
 /// Up to `count` bytes from the front of a file; fewer or none if it cannot be read. Never throws.
 std::vector<std::byte> first_bytes(const std::filesystem::path& path, std::size_t count) noexcept;
-
-/// XXH3-128, 32 hex digits, as `xxhsum -H2` prints it.
-std::string xxh3_hex(std::span<const std::byte> bytes);
 
 }  // namespace kissmap
