@@ -56,9 +56,10 @@ class RayCaster {
   double distance(const Eigen::Vector3d& point_in_world, double time) const;
 
  private:
+  // Single precision with slack, four lanes for SSE. Lane 3 is the ray itself: 0 to far away.
   struct Node {
-    Eigen::Array3d low;
-    Eigen::Array3d high;
+    Eigen::Array4f low;
+    Eigen::Array4f high;
     std::uint32_t first = 0;  ///< leaf: first target; inner node: right child (left is next)
     std::uint32_t count = 0;  ///< targets of a leaf; 0 marks an inner node
   };

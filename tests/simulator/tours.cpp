@@ -64,6 +64,7 @@ DrivingStyle car_style() {
 DrivingStyle walking_style() {
   DrivingStyle style;
   style.max_speed = 1.35;
+  style.turn_rate = 80 * degree;
   style.acceleration = style.braking = 0.8;
   style.lateral_acceleration = 1.2;
   style.corner_radius = 0.7;
@@ -74,6 +75,7 @@ DrivingStyle walking_style() {
 DrivingStyle robot_style(double max_speed) {
   DrivingStyle style;
   style.max_speed = max_speed;
+  style.turn_rate = 50 * degree;
   style.acceleration = style.braking = 0.5;
   return style;
 }
@@ -119,7 +121,9 @@ Motion walk(const Way& way, std::uint64_t seed) {
   const DrivingStyle style = walking_style();
   std::vector<PoseVector> poses = drive(way, style);
   look_around(poses, style.interval, random);
-  Motion motion = with_lidar_at(1.5, style, std::move(poses));
+  // Looks and sway turn about the hand, not about the feet.
+  for (PoseVector& pose : poses) pose[2] += 1.4;
+  Motion motion = with_lidar_at(0.1, style, std::move(poses));
   motion.wobbles = steps(random);
   return motion;
 }
@@ -127,7 +131,7 @@ Motion walk(const Way& way, std::uint64_t seed) {
 Motion roll(const Way& way, double max_speed, double height, std::uint64_t seed) {
   Random random{seed, tour_stream, 2};
   const DrivingStyle style = robot_style(max_speed);
-  Motion motion = with_lidar_at(height, style, drive_with_turns_in_place(way, style, 50 * degree));
+  Motion motion = with_lidar_at(height, style, drive_with_turns_in_place(way, style));
   motion.wobbles = wheels(random);
   return motion;
 }
@@ -162,7 +166,8 @@ struct Visit {
   Vector3d inside;
 };
 
-// Rooms with open doors towards one straight part of the corridor's middle line, in its order.
+// Core rooms with open doors towards one straight part of the corridor's middle line, in its order.
+// Only core rooms, because people walk on the other side of the corridor.
 std::vector<Visit> visits_along(const Office& office, const Vector3d& from, const Vector3d& to) {
   const Vector3d direction = (to - from).normalized();
   std::vector<Visit> visits;
@@ -172,7 +177,7 @@ std::vector<Visit> visits_along(const Office& office, const Vector3d& from, cons
     const double along = (door - from).dot(direction);
     const Vector3d foot = from + along * direction;
     const bool beside = (door - foot).norm() < office.options.corridor_width &&
-                        std::abs(in.dot(direction)) < 0.5 && along > 1.0 &&
+                        office.core.contains((door + in).head<2>()) && along > 1.0 &&
                         along < (to - from).norm() - 1.0;
     if (room.door.open && beside) visits.push_back({along, foot, door + 2.0 * in});
   }
@@ -180,7 +185,7 @@ std::vector<Visit> visits_along(const Office& office, const Vector3d& from, cons
   return visits;
 }
 
-// The middle line of the ring corridor, counter-clockwise, with every third open room.
+// The middle line of the ring corridor, counter-clockwise, with every second open core room.
 Way way_through_the_office(const Office& office) {
   const Eigen::Vector2d low = 0.5 * (office.ring.min() + office.core.min());
   const Eigen::Vector2d high = 0.5 * (office.ring.max() + office.core.max());
@@ -195,7 +200,7 @@ Way way_through_the_office(const Office& office) {
     const Vector3d from = k == 0 ? start : corners[k];
     const Vector3d to = corners[(k + 1) % 4];
     for (const Visit& visit : visits_along(office, from, to)) {
-      if (open_rooms++ % 3 != 1) continue;
+      if (open_rooms++ % 2 != 0) continue;
       way.insert(way.end(), {visit.at_corridor, visit.inside, visit.at_corridor});
     }
     way.push_back(to);
