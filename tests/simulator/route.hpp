@@ -23,7 +23,8 @@ struct DrivingStyle {
 };
 
 /// Poses from rest to rest along a polyline with rounded corners, heading along the way and
-/// pitched with its slope. Needs two different points or more.
+/// pitched with its slope. Needs two different points or more, and a way that never doubles back
+/// on itself: where it does, the heading jumps.
 std::vector<PoseVector> drive(const std::vector<Eigen::Vector3d>& way_points,
                               const DrivingStyle& style);
 

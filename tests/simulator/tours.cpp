@@ -44,7 +44,7 @@ std::vector<Wobble> steps(Random& random) {
                       {amplitude(0, 0.025, 0, 2.0, 0, 2.0), 0.9, 0},
                       {amplitude(0, 0, 0, 4.0, 3.0, 0), 0.21, 0},
                       {amplitude(0, 0, 0.02, 0, 5.0, 5.0), 0.137, 0},
-                      {amplitude(0.004, 0.004, 0.004, 0.8, 0.8, 0.8), 4.3, 0}},
+                      {amplitude(0.003, 0.003, 0.003, 0.4, 0.4, 0.4), 4.3, 0}},
                      random);
 }
 
@@ -69,6 +69,7 @@ DrivingStyle walking_style() {
   style.lateral_acceleration = 1.2;
   style.corner_radius = 0.7;
   style.corner_smoothing = 0.4;
+  style.interval = 0.2;
   return style;
 }
 
@@ -163,8 +164,18 @@ Way way_around_the_block(const Town& town) {
 struct Visit {
   double along;  // m, from the start of the corridor's side
   Vector3d at_corridor;
-  Vector3d inside;
+  Way inside;
 };
+
+// A small round through the free middle of a room, so that nobody has to turn on the heel.
+Way round_in_room(const Vector3d& door, const Vector3d& in) {
+  const Vector3d aside = 0.8 * Vector3d(in.y(), -in.x(), 0.0);
+  return {door + 1.1 * in,
+          door + 2.0 * in + aside,
+          door + 2.9 * in,
+          door + 2.0 * in - aside,
+          door + 1.1 * in};
+}
 
 // Core rooms with open doors towards one straight part of the corridor's middle line, in its order.
 // Only core rooms, because people walk on the other side of the corridor.
@@ -179,7 +190,7 @@ std::vector<Visit> visits_along(const Office& office, const Vector3d& from, cons
     const bool beside = (door - foot).norm() < office.options.corridor_width &&
                         office.core.contains((door + in).head<2>()) && along > 1.0 &&
                         along < (to - from).norm() - 1.0;
-    if (room.door.open && beside) visits.push_back({along, foot, door + 2.0 * in});
+    if (room.door.open && beside) visits.push_back({along, foot, round_in_room(door, in)});
   }
   std::ranges::sort(visits, {}, &Visit::along);
   return visits;
@@ -201,7 +212,9 @@ Way way_through_the_office(const Office& office) {
     const Vector3d to = corners[(k + 1) % 4];
     for (const Visit& visit : visits_along(office, from, to)) {
       if (open_rooms++ % 2 != 0) continue;
-      way.insert(way.end(), {visit.at_corridor, visit.inside, visit.at_corridor});
+      way.push_back(visit.at_corridor);
+      way.insert(way.end(), visit.inside.begin(), visit.inside.end());
+      way.push_back(visit.at_corridor);
     }
     way.push_back(to);
   }
