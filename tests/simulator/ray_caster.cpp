@@ -14,13 +14,58 @@ namespace {
 constexpr float far_away = 1e30F;
 constexpr float bounds_slack = 1e-3F;  // m
 constexpr std::size_t leaf_size = 2;
-constexpr int bins = 16;
+constexpr std::size_t bins = 16;
 
 // A node still to be visited, and the range at which the ray meets it.
 struct Waiting {
   float entry;
   std::uint32_t node;
 };
+
+double half_area(const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return 0.0;
+  const Eigen::Vector3d s = box.sizes();
+  return s.x() * s.y() + s.y() * s.z() + s.z() * s.x();
+}
+
+// Targets whose centres fall into one slice of a node.
+struct Bin {
+  Eigen::AlignedBox3d box;
+  int count = 0;
+
+  void add(const Eigen::AlignedBox3d& other) {
+    box.extend(other);
+    ++count;
+  }
+  void add(const Bin& other) {
+    box.extend(other.box);
+    count += other.count;
+  }
+  double cost() const { return half_area(box) * count; }
+};
+
+// A node cut before one of its bins.
+struct Cut {
+  double cost = no_entry;
+  std::size_t bin = 0;
+};
+
+Cut cheapest_cut(const std::array<Bin, bins>& filled) {
+  std::array<Bin, bins> from_here;  // to the last
+  for (std::size_t bin = bins; bin-- > 0;) {
+    if (bin + 1 < bins) from_here[bin] = from_here[bin + 1];
+    from_here[bin].add(filled[bin]);
+  }
+  Cut best;
+  Bin before;
+  for (std::size_t bin = 1; bin < bins; ++bin) {
+    before.add(filled[bin - 1]);
+    const double cost = before.cost() + from_here[bin].cost();
+    const bool one_sided = before.count == 0 || from_here[bin].count == 0;
+    if (!one_sided && cost < best.cost) best = {cost, bin};
+  }
+  return best;
+}
 
 Target make_target(const Primitive& primitive, std::int32_t shuttle) {
   Target target;
@@ -76,8 +121,19 @@ RayCaster::RayCaster(World world) : world_(std::move(world)) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     targets_[i].order = static_cast<std::uint32_t>(i);
   }
+  set_large_apart();
   nodes_.reserve(2 * targets_.size());
-  if (!targets_.empty()) build(0, targets_.size());
+  if (large_ < targets_.size()) build(large_, targets_.size());
+}
+
+// A ground that fills the world would blow up every node above it, so it stays out of the tree.
+void RayCaster::set_large_apart() {
+  Eigen::AlignedBox3d whole;
+  for (const Target& target : targets_) whole.extend(bounds(target));
+  const auto small = std::stable_partition(targets_.begin(), targets_.end(), [&](const Target& t) {
+    return half_area(bounds(t)) > 0.2 * half_area(whole);
+  });
+  large_ = static_cast<std::size_t>(small - targets_.begin());
 }
 
 Eigen::AlignedBox3d RayCaster::bounds(const Target& target) const {
@@ -126,46 +182,25 @@ std::size_t RayCaster::split(std::size_t begin,
   const auto bin_of = [&](const Target& target, int axis) {
     const double part =
         (bounds(target).center()[axis] - centres.min()[axis]) / centres.sizes()[axis];
-    return std::clamp(static_cast<int>(part * bins), 0, bins - 1);
+    return std::clamp(static_cast<std::size_t>(part * bins), std::size_t{0}, bins - 1);
   };
-  const auto half_area = [](const Eigen::AlignedBox3d& box) {
-    const Eigen::Vector3d s = box.isEmpty() ? Eigen::Vector3d::Zero().eval() : box.sizes().eval();
-    return s.x() * s.y() + s.y() * s.z() + s.z() * s.x();
-  };
-  double best_cost = no_entry;
+  Cut best;
   int best_axis = 0;
-  int best_bin = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (centres.sizes()[axis] <= 0.0) continue;
-    std::array<Eigen::AlignedBox3d, bins> boxes;
-    std::array<int, bins> counts{};
+    std::array<Bin, bins> filled;
     for (std::size_t i = begin; i < end; ++i) {
-      const auto bin = static_cast<std::size_t>(bin_of(targets_[i], axis));
-      boxes[bin].extend(bounds(targets_[i]));
-      ++counts[bin];
+      filled[bin_of(targets_[i], axis)].add(bounds(targets_[i]));
     }
-    std::array<double, bins> right_cost{};
-    Eigen::AlignedBox3d right;
-    for (int bin = bins - 1, n = 0; bin > 0; --bin) {
-      right.extend(boxes[static_cast<std::size_t>(bin)]);
-      n += counts[static_cast<std::size_t>(bin)];
-      right_cost[static_cast<std::size_t>(bin)] = half_area(right) * n;
-    }
-    Eigen::AlignedBox3d left;
-    for (int bin = 1, n = 0; bin < bins; ++bin) {
-      left.extend(boxes[static_cast<std::size_t>(bin - 1)]);
-      n += counts[static_cast<std::size_t>(bin - 1)];
-      const double cost = half_area(left) * n + right_cost[static_cast<std::size_t>(bin)];
-      if (n == 0 || n == static_cast<int>(end - begin) || cost >= best_cost) continue;
-      best_cost = cost;
-      best_axis = axis;
-      best_bin = bin;
-    }
+    const Cut cut = cheapest_cut(filled);
+    if (cut.cost >= best.cost) continue;
+    best = cut;
+    best_axis = axis;
   }
+  if (best.cost == no_entry) return (begin + end) / 2;
   const auto at = [&](std::size_t i) { return targets_.begin() + static_cast<std::ptrdiff_t>(i); };
-  if (best_cost == no_entry) return (begin + end) / 2;
   const auto middle = std::stable_partition(at(begin), at(end), [&](const Target& target) {
-    return bin_of(target, best_axis) < best_bin;
+    return bin_of(target, best_axis) < best.bin;
   });
   return static_cast<std::size_t>(middle - targets_.begin());
 }
@@ -206,7 +241,8 @@ std::optional<Hit> RayCaster::cast(const Eigen::Vector3d& origin,
   Nearest nearest{max_range};
   std::array<Waiting, 64> waiting;  // the tree is far less deep
   std::size_t count = 0;
-  float limit = static_cast<float>(max_range) + bounds_slack;
+  for (std::size_t i = 0; i < large_; ++i) test(targets_[i], ray, nearest);
+  float limit = static_cast<float>(nearest.range) + bounds_slack;
   if (!nodes_.empty()) waiting[count++] = {0.0F, 0};
   while (count > 0) {
     const auto [entry, index] = waiting[--count];

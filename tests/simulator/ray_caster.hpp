@@ -66,6 +66,7 @@ class RayCaster {
   struct Ray;
   struct Nearest;
 
+  void set_large_apart();
   void build(std::size_t begin, std::size_t end);
   std::size_t split(std::size_t begin, std::size_t end, const Eigen::AlignedBox3d& centres);
   Eigen::AlignedBox3d bounds(const Target& target) const;
@@ -74,6 +75,7 @@ class RayCaster {
 
   World world_;
   std::vector<Target> targets_;
+  std::size_t large_ = 0;  ///< targets at the front that are not in the tree
   std::vector<Node> nodes_;
 };
 

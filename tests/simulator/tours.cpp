@@ -137,9 +137,8 @@ Motion roll(const Way& way, double max_speed, double height, std::uint64_t seed)
   return motion;
 }
 
-// Counter-clockwise would be against the clock of the passages: south side westwards, up the
-// western side, along the northern side to its passage, through the courtyard, out in the south and
-// westwards again.
+// Westwards along the south side, up the western side, eastwards along the north side to its
+// passage, through the courtyard, out in the south, and the first part again.
 Way way_around_the_block(const Town& town) {
   const Crossing block = courtyard_block;
   const double aside = town.kerb_offset() + 2.25;
