@@ -135,10 +135,13 @@ PoseVector pose_between(const Station& a,
                         const Station& b,
                         double time,
                         const DrivingStyle& style) {
-  const double part = std::clamp((time - a.time) / std::max(b.time - a.time, 1e-9), 0.0, 1.0);
+  // Constant acceleration from one station to the next.
+  const double duration = std::max(b.time - a.time, 1e-9);
+  const double since = std::clamp(time - a.time, 0.0, duration);
+  const double forward = (b.speed - a.speed) / duration;
+  const double speed = a.speed + forward * since;
+  const double part = 0.5 * (a.speed + speed) * since / std::max(b.along - a.along, 1e-9);
   const auto mix = [part](double from, double to) { return from + part * (to - from); };
-  const double speed = mix(a.speed, b.speed);
-  const double forward = (b.speed - a.speed) / std::max(b.time - a.time, 1e-9);
   PoseVector pose;
   pose.head<3>() = a.position + part * (b.position - a.position);
   pose[3] = style.roll_by_acceleration * speed * speed * mix(a.curvature, b.curvature);
