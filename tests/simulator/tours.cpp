@@ -32,9 +32,9 @@ std::vector<Wobble> with_phases(std::vector<Wobble> wobbles, Random& random) {
 }
 
 std::vector<Wobble> suspension(Random& random) {
-  return with_phases({{amplitude(0, 0, 0.012, 0.0, 0.25, 0), 1.31, 0},
-                      {amplitude(0, 0, 0.008, 0.35, 0.0, 0), 1.07, 0},
-                      {amplitude(0, 0, 0.004, 0.15, 0.15, 0), 2.9, 0},
+  return with_phases({{amplitude(0, 0, 0.012, 0.0, 0.12, 0), 1.31, 0},
+                      {amplitude(0, 0, 0.008, 0.15, 0.0, 0), 1.07, 0},
+                      {amplitude(0, 0, 0.002, 0.03, 0.03, 0), 2.9, 0},
                       {amplitude(0, 0.05, 0.0, 0.0, 0.0, 0.5), 0.13, 0}},
                      random);
 }
@@ -88,8 +88,11 @@ double look_profile(double time, double rise, double stay) {
 }
 
 // Turns the plan's heading aside every few seconds, as people look around.
-void look_around(std::vector<PoseVector>& poses, double interval, Random& random) {
-  constexpr double peak_rate = 85 * degree;  // rad/s, of the look alone
+void look_around(std::vector<PoseVector>& poses,
+                 double interval,
+                 double liveliness,
+                 Random& random) {
+  const double peak_rate = liveliness * 85 * degree;  // rad/s, of the look alone
   const double end = static_cast<double>(poses.size() - 1) * interval;
   for (double begin = random.uniform(2.0, 4.0);;) {
     const double yaw = random.sign() * random.uniform(35.0, 110.0) * degree;
@@ -117,15 +120,16 @@ Motion with_lidar_at(double height, const DrivingStyle& style, std::vector<PoseV
   return motion;
 }
 
-Motion walk(const Way& way, std::uint64_t seed) {
+Motion walk(const Way& way, std::uint64_t seed, double liveliness) {
   Random random{seed, tour_stream, 1};
   const DrivingStyle style = walking_style();
   std::vector<PoseVector> poses = drive(way, style);
-  look_around(poses, style.interval, random);
+  if (liveliness > 0.0) look_around(poses, style.interval, liveliness, random);
   // Looks and sway turn about the hand, not about the feet.
   for (PoseVector& pose : poses) pose[2] += 1.4;
   Motion motion = with_lidar_at(0.1, style, std::move(poses));
   motion.wobbles = steps(random);
+  for (Wobble& wobble : motion.wobbles) wobble.amplitude *= liveliness;
   return motion;
 }
 
@@ -233,8 +237,8 @@ Motion town_car_tour(const Town& town, std::uint64_t seed, Revisit revisit) {
   return motion;
 }
 
-Motion town_walk(const Town& town, std::uint64_t seed) {
-  return walk(way_around_the_block(town), seed);
+Motion town_walk(const Town& town, std::uint64_t seed, double liveliness) {
+  return walk(way_around_the_block(town), seed, liveliness);
 }
 
 Motion town_robot_tour(const Town& town, std::uint64_t seed) {
@@ -245,8 +249,8 @@ Motion office_robot_tour(const Office& office, std::uint64_t seed) {
   return roll(way_through_the_office(office), 0.9, 0.45, seed);
 }
 
-Motion office_walk(const Office& office, std::uint64_t seed) {
-  return walk(way_through_the_office(office), seed);
+Motion office_walk(const Office& office, std::uint64_t seed, double liveliness) {
+  return walk(way_through_the_office(office), seed, liveliness);
 }
 
 }  // namespace kissmap::simulator

@@ -33,7 +33,7 @@ class LogFolder : public testing::Test {
   }
 
   fs::path root_;
-  Simulator simulator_ = make_simulator({"town", "spinning16", "car", 1, 5, 60});
+  Simulator simulator_ = make_simulator({"town", "spinning16", "car", 1, 5, 60, 1.0});
 };
 
 std::string bytes(const fs::path& path) {

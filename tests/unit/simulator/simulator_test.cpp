@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 Scenario scenario(const char* world, const char* sensor, const char* motion, int columns) {
-  return {world, sensor, motion, 3, 0, columns};
+  return {world, sensor, motion, 3, 0, columns, 1.0};
 }
 
 bool same(const Scan& a, const Scan& b) {
@@ -187,6 +187,9 @@ TEST(Scenario, RefusesUnknownWordsAndCarsInOffices) {
   EXPECT_THROW(make_simulator(scenario("town", "spinning17", "car", 0)), Error);
   EXPECT_THROW(make_simulator(scenario("town", "spinning16", "boat", 0)), Error);
   EXPECT_THROW(make_simulator(scenario("office", "spinning16", "car", 0)), Error);
+  Scenario frantic;
+  frantic.liveliness = 1.5;
+  EXPECT_THROW(make_simulator(frantic), Error);
 }
 
 }  // namespace

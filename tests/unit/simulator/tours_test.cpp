@@ -168,6 +168,25 @@ TEST(Tours, WalksAndRobotsComeBackToo) {
   EXPECT_GT(revisited(office_walk(make_office(1), 1), 0.5, true), 5.0);
 }
 
+double quickest_turn(const Motion& motion) {
+  double quickest = 0.0;
+  for (double t = 0.0; t < motion.duration(); t += 0.02) {
+    const Rigid3 step = motion.world_from_lidar(t).inverse() * motion.world_from_lidar(t + 0.02);
+    quickest = std::max(quickest, step.angle() / 0.02);
+  }
+  return quickest;
+}
+
+TEST(Tours, WalksAreAsLivelyAsAsked) {
+  const Town town = make_town(1);
+  const double calm = quickest_turn(town_walk(town, 1, 0.0));
+  const double half = quickest_turn(town_walk(town, 1, 0.5));
+  const double lively = quickest_turn(town_walk(town, 1, 1.0));
+  EXPECT_LT(calm, 85 * degree) << "only corners turn";
+  EXPECT_LT(half, lively);
+  EXPECT_GT(lively, 90 * degree);
+}
+
 TEST(Tours, DependOnTheSeed) {
   const Town town = make_town(1);
   const Rigid3 a = town_walk(town, 1).world_from_lidar(20.0);
