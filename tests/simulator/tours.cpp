@@ -64,7 +64,7 @@ DrivingStyle car_style() {
 DrivingStyle walking_style() {
   DrivingStyle style;
   style.max_speed = 1.35;
-  style.turn_rate = 80 * degree;
+  style.turn_rate = 40 * degree;
   style.acceleration = style.braking = 0.8;
   style.lateral_acceleration = 1.2;
   style.corner_radius = 0.7;
@@ -92,7 +92,7 @@ void look_around(std::vector<PoseVector>& poses,
                  double interval,
                  double liveliness,
                  Random& random) {
-  const double peak_rate = liveliness * 85 * degree;  // rad/s, of the look alone
+  const double peak_rate = liveliness * 75 * degree;  // rad/s, of the look alone
   const double end = static_cast<double>(poses.size() - 1) * interval;
   for (double begin = random.uniform(2.0, 4.0);;) {
     const double yaw = random.sign() * random.uniform(35.0, 110.0) * degree;

@@ -19,7 +19,7 @@ Motion town_car_tour(const Town& town,
                      Revisit revisit = Revisit::same_direction);
 
 /// Someone walks around a block, through its courtyard, and on over the first part again, LiDAR in
-/// hand at 1.5 m: the bounce of steps, sway, and looks to the side at up to about 100 deg/s.
+/// hand at 1.5 m: the bounce of steps, sway, and turns of about 100 deg/s when looking aside.
 /// `liveliness` scales shaking and the speed of looks; 0 glides along without looking aside.
 Motion town_walk(const Town& town, std::uint64_t seed, double liveliness = 1.0);
 

@@ -49,7 +49,7 @@ const Tour tours[] = {
      town_world,
      [](std::uint64_t s) { return town_walk(make_town(s), s); },  //
      2.0,
-     150 * degree,
+     135 * degree,
      0.4},
     {"town_robot",
      town_world,
@@ -67,7 +67,7 @@ const Tour tours[] = {
      office_world,
      [](std::uint64_t s) { return office_walk(make_office(s), s); },
      2.0,
-     180 * degree,
+     135 * degree,
      0.3},
 };
 
@@ -182,7 +182,7 @@ TEST(Tours, WalksAreAsLivelyAsAsked) {
   const double calm = quickest_turn(town_walk(town, 1, 0.0));
   const double half = quickest_turn(town_walk(town, 1, 0.5));
   const double lively = quickest_turn(town_walk(town, 1, 1.0));
-  EXPECT_LT(calm, 85 * degree) << "only corners turn";
+  EXPECT_LT(calm, 45 * degree) << "only corners turn";
   EXPECT_LT(half, lively);
   EXPECT_GT(lively, 90 * degree);
 }
