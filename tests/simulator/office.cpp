@@ -91,11 +91,11 @@ class OfficeBuilder {
     std::vector<double> doors;
     for (double begin = 0.0; length - begin > 1e-9;) {
       double width = random_.uniform(3.6, 6.5);
-      if (begin == 0.0) width = std::max(width, first + 2.2);
+      if (begin == 0.0) width = std::max(width, first + 2.9);
       const double rest = length - begin - width;
-      if (rest < std::max(3.6, length - last + 2.2)) width = length - begin;
+      if (rest < std::max(3.6, length - last + 2.9)) width = length - begin;
       const double end = begin + width;
-      const double margin = 0.5 * office_.options.door_width + 0.35;
+      const double margin = 0.5 * office_.options.door_width + 0.9;
       const double door =
           random_.uniform(std::max(begin, first) + margin, std::min(end, last) - margin);
       doors.push_back(door);
@@ -154,7 +154,7 @@ class OfficeBuilder {
     const OfficeOptions& o = office_.options;
     const Rigid3 from_door = planar_frame(
         lifted(door.middle), std::atan2(door.into_room.y(), door.into_room.x()) - pi / 2);
-    const double angle = door.open ? random_.uniform(1.45, 1.65) : 0.0;
+    const double angle = door.open ? random_.uniform(1.57, 1.9) : 0.0;
     const Rigid3 hinge = from_door * planar_frame({-0.5 * o.door_width + 0.03, 0.0, 0}, angle);
     box(ObjectClass::door, hinge, {0, -0.02, 0.01}, {o.door_width - 0.06, 0.02, o.door_height});
   }

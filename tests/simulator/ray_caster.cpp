@@ -4,75 +4,67 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "simulator/intersect.hpp"
 
 namespace kissmap::simulator {
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::infinity();
+constexpr float far_away = 1e30F;
+constexpr float bounds_slack = 1e-3F;  // m
 constexpr std::size_t leaf_size = 2;
-constexpr int bins = 16;
+constexpr std::size_t bins = 16;
 
-// Where a ray in the frame of the solid enters it; `nothing` if it misses or starts inside.
-double enter_box(const Eigen::Array3d& origin,
-                 const Eigen::Array3d& direction,
-                 const Eigen::Array3d& half) {
-  double enter = -nothing;
-  double leave = nothing;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0.0) {
-      if (std::abs(origin[axis]) > half[axis]) return nothing;
-      continue;
-    }
-    const double inverse = 1.0 / direction[axis];
-    const double middle = -origin[axis] * inverse;
-    const double reach = half[axis] * std::abs(inverse);
-    enter = std::max(enter, middle - reach);
-    leave = std::min(leave, middle + reach);
-  }
-  return enter > 0.0 && enter <= leave ? enter : nothing;
+// A node still to be visited, and the range at which the ray meets it.
+struct Waiting {
+  float entry;
+  std::uint32_t node;
+};
+
+double half_area(const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return 0.0;
+  const Eigen::Vector3d s = box.sizes();
+  return s.x() * s.y() + s.y() * s.z() + s.z() * s.x();
 }
 
-double enter_cylinder(const Eigen::Array3d& origin,
-                      const Eigen::Array3d& direction,
-                      const Eigen::Array3d& half) {
-  double enter = -nothing;
-  double leave = nothing;
-  if (direction.z() != 0.0) {
-    const double middle = -origin.z() / direction.z();
-    const double reach = half.z() / std::abs(direction.z());
-    enter = middle - reach;
-    leave = middle + reach;
-  } else if (std::abs(origin.z()) > half.z()) {
-    return nothing;
-  }
-  const double a = direction.x() * direction.x() + direction.y() * direction.y();
-  const double b = origin.x() * direction.x() + origin.y() * direction.y();
-  const double c = origin.x() * origin.x() + origin.y() * origin.y() - half.x() * half.x();
-  if (a > 0.0) {
-    const double discriminant = b * b - a * c;
-    if (discriminant < 0.0) return nothing;
-    enter = std::max(enter, (-b - std::sqrt(discriminant)) / a);
-    leave = std::min(leave, (-b + std::sqrt(discriminant)) / a);
-  } else if (c > 0.0) {
-    return nothing;
-  }
-  return enter > 0.0 && enter <= leave ? enter : nothing;
-}
+// Targets whose centres fall into one slice of a node.
+struct Bin {
+  Eigen::AlignedBox3d box;
+  int count = 0;
 
-// Outward normal at a point of the surface, in the frame of the solid: that of the nearest face.
-Eigen::Vector3d surface_normal(Shape shape, const Eigen::Vector3d& p, const Eigen::Vector3d& half) {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  int axis = 2;
-  if (shape == Shape::box) {
-    (p.cwiseAbs() - half).maxCoeff(&axis);
-  } else {
-    const double radius = std::hypot(p.x(), p.y());
-    if (radius - half.x() > std::abs(p.z()) - half.z()) return {p.x() / radius, p.y() / radius, 0};
+  void add(const Eigen::AlignedBox3d& other) {
+    box.extend(other);
+    ++count;
   }
-  normal[axis] = p[axis] < 0 ? -1.0 : 1.0;
-  return normal;
+  void add(const Bin& other) {
+    box.extend(other.box);
+    count += other.count;
+  }
+  double cost() const { return half_area(box) * count; }
+};
+
+// A node cut before one of its bins.
+struct Cut {
+  double cost = no_entry;
+  std::size_t bin = 0;
+};
+
+Cut cheapest_cut(const std::array<Bin, bins>& filled) {
+  std::array<Bin, bins> from_here;  // to the last
+  for (std::size_t bin = bins; bin-- > 0;) {
+    if (bin + 1 < bins) from_here[bin] = from_here[bin + 1];
+    from_here[bin].add(filled[bin]);
+  }
+  Cut best;
+  Bin before;
+  for (std::size_t bin = 1; bin < bins; ++bin) {
+    before.add(filled[bin - 1]);
+    const double cost = before.cost() + from_here[bin].cost();
+    const bool one_sided = before.count == 0 || from_here[bin].count == 0;
+    if (!one_sided && cost < best.cost) best = {cost, bin};
+  }
+  return best;
 }
 
 Target make_target(const Primitive& primitive, std::int32_t shuttle) {
@@ -90,24 +82,27 @@ Target make_target(const Primitive& primitive, std::int32_t shuttle) {
 }  // namespace
 
 struct RayCaster::Ray {
+  Ray(const Eigen::Vector3d& from, const Eigen::Vector3d& along, double at)
+      : origin(from), direction(along), time(at) {
+    rough_origin << from.cast<float>().array(), 0.0F;
+    // Finite even for rays along an axis, so that no NaN arises.
+    rough_inverse << along.array().inverse().cast<float>().max(-1e30F).min(1e30F), 1.0F;
+  }
+
+  // Range at which the ray meets the box; `far_away` if it does not before `limit`.
+  float entry(const Node& node, float limit) const {
+    const Eigen::Array4f a = (node.low - rough_origin) * rough_inverse;
+    const Eigen::Array4f b = (node.high - rough_origin) * rough_inverse;
+    const float enter = a.min(b).maxCoeff();
+    const float leave = std::min(limit, a.max(b).minCoeff());
+    return enter <= leave ? enter : far_away;
+  }
+
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
   double time;
-  Eigen::Array3d inverse = direction.array().inverse();
-
-  // Whether the ray meets the box before `limit`. A ray in the plane of a face yields NaN, which
-  // the order of the arguments of min and max lets pass.
-  double entry(const Node& node, double limit) const {
-    const Eigen::Array3d a = (node.low - origin.array()) * inverse;
-    const Eigen::Array3d b = (node.high - origin.array()) * inverse;
-    double enter = 0.0;
-    double leave = limit;
-    for (int axis = 0; axis < 3; ++axis) {
-      enter = std::max(enter, std::min(a[axis], b[axis]));
-      leave = std::min(leave, std::max(a[axis], b[axis]));
-    }
-    return enter <= leave ? enter : nothing;
-  }
+  Eigen::Array4f rough_origin;
+  Eigen::Array4f rough_inverse;
 };
 
 struct RayCaster::Nearest {
@@ -126,15 +121,27 @@ RayCaster::RayCaster(World world) : world_(std::move(world)) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     targets_[i].order = static_cast<std::uint32_t>(i);
   }
+  set_large_apart();
   nodes_.reserve(2 * targets_.size());
-  if (!targets_.empty()) build(0, targets_.size());
+  if (large_ < targets_.size()) build(large_, targets_.size());
+}
+
+// A ground that fills the world would blow up every node above it, so it stays out of the tree.
+void RayCaster::set_large_apart() {
+  Eigen::AlignedBox3d whole;
+  for (const Target& target : targets_) whole.extend(bounds(target));
+  const auto small = std::stable_partition(targets_.begin(), targets_.end(), [&](const Target& t) {
+    return half_area(bounds(t)) > 0.2 * half_area(whole);
+  });
+  large_ = static_cast<std::size_t>(small - targets_.begin());
 }
 
 Eigen::AlignedBox3d RayCaster::bounds(const Target& target) const {
   const Eigen::Vector3d reach =
       target.object_from_world_rotation.cwiseAbs().transpose() * target.half_extents;
-  // A hair of slack, so that rounding in the walk through the tree never loses a grazing hit.
-  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(1e-6);
+  // The walk through the tree is in single precision: good to 0.1 mm within a kilometre. The slack
+  // is ten times that, so no grazing hit is lost.
+  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(bounds_slack);
   Eigen::AlignedBox3d box(target.centre - reach - slack, target.centre + reach + slack);
   if (target.shuttle >= 0) {
     const Eigen::Vector3d travel =
@@ -153,7 +160,10 @@ void RayCaster::build(std::size_t begin, std::size_t end) {
     centres.extend(target_box.center());
   }
   const std::size_t own = nodes_.size();
-  nodes_.push_back({box.min().array(), box.max().array(), 0, 0});
+  Node node;
+  node.low << box.min().cast<float>().array(), 0.0F;
+  node.high << box.max().cast<float>().array(), far_away;
+  nodes_.push_back(node);
   if (end - begin <= leaf_size) {
     nodes_[own].first = static_cast<std::uint32_t>(begin);
     nodes_[own].count = static_cast<std::uint32_t>(end - begin);
@@ -172,46 +182,25 @@ std::size_t RayCaster::split(std::size_t begin,
   const auto bin_of = [&](const Target& target, int axis) {
     const double part =
         (bounds(target).center()[axis] - centres.min()[axis]) / centres.sizes()[axis];
-    return std::clamp(static_cast<int>(part * bins), 0, bins - 1);
+    return std::clamp(static_cast<std::size_t>(part * bins), std::size_t{0}, bins - 1);
   };
-  const auto half_area = [](const Eigen::AlignedBox3d& box) {
-    const Eigen::Vector3d s = box.isEmpty() ? Eigen::Vector3d::Zero().eval() : box.sizes().eval();
-    return s.x() * s.y() + s.y() * s.z() + s.z() * s.x();
-  };
-  double best_cost = nothing;
+  Cut best;
   int best_axis = 0;
-  int best_bin = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (centres.sizes()[axis] <= 0.0) continue;
-    std::array<Eigen::AlignedBox3d, bins> boxes;
-    std::array<int, bins> counts{};
+    std::array<Bin, bins> filled;
     for (std::size_t i = begin; i < end; ++i) {
-      const auto bin = static_cast<std::size_t>(bin_of(targets_[i], axis));
-      boxes[bin].extend(bounds(targets_[i]));
-      ++counts[bin];
+      filled[bin_of(targets_[i], axis)].add(bounds(targets_[i]));
     }
-    std::array<double, bins> right_cost{};
-    Eigen::AlignedBox3d right;
-    for (int bin = bins - 1, n = 0; bin > 0; --bin) {
-      right.extend(boxes[static_cast<std::size_t>(bin)]);
-      n += counts[static_cast<std::size_t>(bin)];
-      right_cost[static_cast<std::size_t>(bin)] = half_area(right) * n;
-    }
-    Eigen::AlignedBox3d left;
-    for (int bin = 1, n = 0; bin < bins; ++bin) {
-      left.extend(boxes[static_cast<std::size_t>(bin - 1)]);
-      n += counts[static_cast<std::size_t>(bin - 1)];
-      const double cost = half_area(left) * n + right_cost[static_cast<std::size_t>(bin)];
-      if (n == 0 || n == static_cast<int>(end - begin) || cost >= best_cost) continue;
-      best_cost = cost;
-      best_axis = axis;
-      best_bin = bin;
-    }
+    const Cut cut = cheapest_cut(filled);
+    if (cut.cost >= best.cost) continue;
+    best = cut;
+    best_axis = axis;
   }
+  if (best.cost == no_entry) return (begin + end) / 2;
   const auto at = [&](std::size_t i) { return targets_.begin() + static_cast<std::ptrdiff_t>(i); };
-  if (best_cost == nothing) return (begin + end) / 2;
   const auto middle = std::stable_partition(at(begin), at(end), [&](const Target& target) {
-    return bin_of(target, best_axis) < best_bin;
+    return bin_of(target, best_axis) < best.bin;
   });
   return static_cast<std::size_t>(middle - targets_.begin());
 }
@@ -223,9 +212,7 @@ void RayCaster::test(const Target& target, const Ray& ray, Nearest& nearest) con
   }
   const Eigen::Vector3d origin = target.object_from_world_rotation * from_centre;
   const Eigen::Vector3d direction = target.object_from_world_rotation * ray.direction;
-  const double range = target.shape == Shape::box
-                           ? enter_box(origin, direction, target.half_extents)
-                           : enter_cylinder(origin, direction, target.half_extents);
+  const double range = enter(target.shape, origin, direction, target.half_extents);
   // Shared faces: the first solid of the world wins, whatever the order of the tests.
   const bool tie =
       range == nearest.range && nearest.target != nullptr && target.order < nearest.target->order;
@@ -252,20 +239,25 @@ std::optional<Hit> RayCaster::cast(const Eigen::Vector3d& origin,
                                    double max_range) const {
   const Ray ray{origin, direction, time};
   Nearest nearest{max_range};
-  std::array<std::pair<double, std::uint32_t>, 64> stack;
-  std::size_t depth = 0;
-  if (!nodes_.empty()) stack[depth++] = {0.0, 0};
-  while (depth > 0) {
-    const auto [entry, index] = stack[--depth];
-    if (entry > nearest.range) continue;
+  std::array<Waiting, 64> waiting;  // the tree is far less deep
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < large_; ++i) test(targets_[i], ray, nearest);
+  float limit = static_cast<float>(nearest.range) + bounds_slack;
+  if (!nodes_.empty()) waiting[count++] = {0.0F, 0};
+  while (count > 0) {
+    const auto [entry, index] = waiting[--count];
+    if (entry > limit) continue;
     const Node& node = nodes_[index];
-    for (std::uint32_t i = 0; i < node.count; ++i) test(targets_[node.first + i], ray, nearest);
-    if (node.count > 0) continue;
-    std::pair near{ray.entry(nodes_[index + 1], nearest.range), index + 1};
-    std::pair far{ray.entry(nodes_[node.first], nearest.range), node.first};
-    if (far.first < near.first) std::swap(near, far);
-    if (far.first != nothing) stack.at(depth++) = far;
-    if (near.first != nothing) stack.at(depth++) = near;
+    if (node.count > 0) {
+      for (std::uint32_t i = 0; i < node.count; ++i) test(targets_[node.first + i], ray, nearest);
+      limit = static_cast<float>(nearest.range) + bounds_slack;
+      continue;
+    }
+    Waiting near{ray.entry(nodes_[index + 1], limit), index + 1};
+    Waiting far{ray.entry(nodes_[node.first], limit), node.first};
+    if (far.entry < near.entry) std::swap(near, far);
+    if (far.entry < far_away) waiting.at(count++) = far;
+    if (near.entry < far_away) waiting.at(count++) = near;
   }
   return finish(ray, nearest);
 }
@@ -281,7 +273,7 @@ std::optional<Hit> RayCaster::cast_by_brute_force(const Eigen::Vector3d& origin,
 }
 
 double RayCaster::distance(const Eigen::Vector3d& point_in_world, double time) const {
-  double nearest = nothing;
+  double nearest = no_entry;
   for (const Primitive& primitive : world_.primitives) {
     nearest = std::min(nearest, signed_distance(primitive, point_in_world));
   }

@@ -56,15 +56,17 @@ class RayCaster {
   double distance(const Eigen::Vector3d& point_in_world, double time) const;
 
  private:
+  // Single precision with slack, four lanes for SSE. Lane 3 is the ray itself: 0 to far away.
   struct Node {
-    Eigen::Array3d low;
-    Eigen::Array3d high;
+    Eigen::Array4f low;
+    Eigen::Array4f high;
     std::uint32_t first = 0;  ///< leaf: first target; inner node: right child (left is next)
     std::uint32_t count = 0;  ///< targets of a leaf; 0 marks an inner node
   };
   struct Ray;
   struct Nearest;
 
+  void set_large_apart();
   void build(std::size_t begin, std::size_t end);
   std::size_t split(std::size_t begin, std::size_t end, const Eigen::AlignedBox3d& centres);
   Eigen::AlignedBox3d bounds(const Target& target) const;
@@ -73,6 +75,7 @@ class RayCaster {
 
   World world_;
   std::vector<Target> targets_;
+  std::size_t large_ = 0;  ///< targets at the front that are not in the tree
   std::vector<Node> nodes_;
 };
 

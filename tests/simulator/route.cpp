@@ -110,7 +110,8 @@ void plan_speed(std::vector<Station>& stations, const DrivingStyle& style) {
   for (Station& s : stations) {
     const double in_corner =
         std::sqrt(style.lateral_acceleration / std::max(std::abs(s.curvature), 1e-6));
-    s.speed = std::min(style.max_speed, in_corner);
+    const double turning = style.turn_rate / std::max(std::abs(s.curvature), 1e-6);
+    s.speed = std::min({style.max_speed, in_corner, turning});
   }
   stations.front().speed = stations.back().speed = 0.0;
   const auto limit = [](Station& to, const Station& from, double acceleration) {
@@ -134,10 +135,13 @@ PoseVector pose_between(const Station& a,
                         const Station& b,
                         double time,
                         const DrivingStyle& style) {
-  const double part = std::clamp((time - a.time) / std::max(b.time - a.time, 1e-9), 0.0, 1.0);
+  // Constant acceleration from one station to the next.
+  const double duration = std::max(b.time - a.time, 1e-9);
+  const double since = std::clamp(time - a.time, 0.0, duration);
+  const double forward = (b.speed - a.speed) / duration;
+  const double speed = a.speed + forward * since;
+  const double part = 0.5 * (a.speed + speed) * since / std::max(b.along - a.along, 1e-9);
   const auto mix = [part](double from, double to) { return from + part * (to - from); };
-  const double speed = mix(a.speed, b.speed);
-  const double forward = (b.speed - a.speed) / std::max(b.time - a.time, 1e-9);
   PoseVector pose;
   pose.head<3>() = a.position + part * (b.position - a.position);
   pose[3] = style.roll_by_acceleration * speed * speed * mix(a.curvature, b.curvature);
@@ -160,11 +164,11 @@ std::vector<PoseVector> sample_in_time(const std::vector<Station>& stations,
 }
 
 // Turns in place from one yaw to another with a bell-shaped rate.
-void append_turn(std::vector<PoseVector>& poses, double angle, double turn_rate, double interval) {
+void append_turn(std::vector<PoseVector>& poses, double angle, const DrivingStyle& style) {
   const PoseVector start = poses.back();
   // The fifth-order minimum-jerk blend peaks at 15/8 of its mean rate.
-  const double duration = 1.875 * std::abs(angle) / turn_rate;
-  const int count = static_cast<int>(std::ceil(duration / interval));
+  const double duration = 1.875 * std::abs(angle) / style.turn_rate;
+  const int count = static_cast<int>(std::ceil(duration / style.interval));
   for (int i = 1; i <= count; ++i) {
     const double u = static_cast<double>(i) / count;
     PoseVector pose = start;
@@ -183,14 +187,13 @@ std::vector<PoseVector> drive(const Points& way_points, const DrivingStyle& styl
 }
 
 std::vector<PoseVector> drive_with_turns_in_place(const Points& way_points,
-                                                  const DrivingStyle& style,
-                                                  double turn_rate) {
+                                                  const DrivingStyle& style) {
   std::vector<PoseVector> poses;
   for (std::size_t i = 1; i < way_points.size(); ++i) {
     std::vector<PoseVector> leg = drive({way_points[i - 1], way_points[i]}, style);
     if (!poses.empty()) {
       const double angle = wrap(leg.front()[5] - poses.back()[5]);
-      if (std::abs(angle) > 1e-6) append_turn(poses, angle, turn_rate, style.interval);
+      if (std::abs(angle) > 1e-6) append_turn(poses, angle, style);
       const double whole_turns = poses.back()[5] - leg.front()[5];
       for (PoseVector& pose : leg) pose[5] += whole_turns;
     }

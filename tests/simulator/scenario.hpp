@@ -17,6 +17,7 @@ struct Scenario {
   std::uint64_t seed = 1;             ///< of the world, the motion and the noise
   std::size_t scans = 0;              ///< 0: the whole tour
   int columns = 0;                    ///< of a turn or a line; 0: as usual for the sensor
+  double liveliness = 1.0;            ///< of a walk: 0 glides, 1 shakes and looks around
 };
 
 /// Throws Error(usage) for unknown words and for a car in the office.

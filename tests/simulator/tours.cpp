@@ -32,9 +32,9 @@ std::vector<Wobble> with_phases(std::vector<Wobble> wobbles, Random& random) {
 }
 
 std::vector<Wobble> suspension(Random& random) {
-  return with_phases({{amplitude(0, 0, 0.012, 0.0, 0.25, 0), 1.31, 0},
-                      {amplitude(0, 0, 0.008, 0.35, 0.0, 0), 1.07, 0},
-                      {amplitude(0, 0, 0.004, 0.15, 0.15, 0), 2.9, 0},
+  return with_phases({{amplitude(0, 0, 0.012, 0.0, 0.12, 0), 1.31, 0},
+                      {amplitude(0, 0, 0.008, 0.15, 0.0, 0), 1.07, 0},
+                      {amplitude(0, 0, 0.002, 0.03, 0.03, 0), 2.9, 0},
                       {amplitude(0, 0.05, 0.0, 0.0, 0.0, 0.5), 0.13, 0}},
                      random);
 }
@@ -44,7 +44,7 @@ std::vector<Wobble> steps(Random& random) {
                       {amplitude(0, 0.025, 0, 2.0, 0, 2.0), 0.9, 0},
                       {amplitude(0, 0, 0, 4.0, 3.0, 0), 0.21, 0},
                       {amplitude(0, 0, 0.02, 0, 5.0, 5.0), 0.137, 0},
-                      {amplitude(0.004, 0.004, 0.004, 0.8, 0.8, 0.8), 4.3, 0}},
+                      {amplitude(0.003, 0.003, 0.003, 0.4, 0.4, 0.4), 4.3, 0}},
                      random);
 }
 
@@ -64,16 +64,19 @@ DrivingStyle car_style() {
 DrivingStyle walking_style() {
   DrivingStyle style;
   style.max_speed = 1.35;
+  style.turn_rate = 40 * degree;
   style.acceleration = style.braking = 0.8;
   style.lateral_acceleration = 1.2;
   style.corner_radius = 0.7;
   style.corner_smoothing = 0.4;
+  style.interval = 0.2;
   return style;
 }
 
 DrivingStyle robot_style(double max_speed) {
   DrivingStyle style;
   style.max_speed = max_speed;
+  style.turn_rate = 50 * degree;
   style.acceleration = style.braking = 0.5;
   return style;
 }
@@ -85,8 +88,11 @@ double look_profile(double time, double rise, double stay) {
 }
 
 // Turns the plan's heading aside every few seconds, as people look around.
-void look_around(std::vector<PoseVector>& poses, double interval, Random& random) {
-  constexpr double peak_rate = 85 * degree;  // rad/s, of the look alone
+void look_around(std::vector<PoseVector>& poses,
+                 double interval,
+                 double liveliness,
+                 Random& random) {
+  const double peak_rate = liveliness * 75 * degree;  // rad/s, of the look alone
   const double end = static_cast<double>(poses.size() - 1) * interval;
   for (double begin = random.uniform(2.0, 4.0);;) {
     const double yaw = random.sign() * random.uniform(35.0, 110.0) * degree;
@@ -114,27 +120,29 @@ Motion with_lidar_at(double height, const DrivingStyle& style, std::vector<PoseV
   return motion;
 }
 
-Motion walk(const Way& way, std::uint64_t seed) {
+Motion walk(const Way& way, std::uint64_t seed, double liveliness) {
   Random random{seed, tour_stream, 1};
   const DrivingStyle style = walking_style();
   std::vector<PoseVector> poses = drive(way, style);
-  look_around(poses, style.interval, random);
-  Motion motion = with_lidar_at(1.5, style, std::move(poses));
+  if (liveliness > 0.0) look_around(poses, style.interval, liveliness, random);
+  // Looks and sway turn about the hand, not about the feet.
+  for (PoseVector& pose : poses) pose[2] += 1.4;
+  Motion motion = with_lidar_at(0.1, style, std::move(poses));
   motion.wobbles = steps(random);
+  for (Wobble& wobble : motion.wobbles) wobble.amplitude *= liveliness;
   return motion;
 }
 
 Motion roll(const Way& way, double max_speed, double height, std::uint64_t seed) {
   Random random{seed, tour_stream, 2};
   const DrivingStyle style = robot_style(max_speed);
-  Motion motion = with_lidar_at(height, style, drive_with_turns_in_place(way, style, 50 * degree));
+  Motion motion = with_lidar_at(height, style, drive_with_turns_in_place(way, style));
   motion.wobbles = wheels(random);
   return motion;
 }
 
-// Counter-clockwise would be against the clock of the passages: south side westwards, up the
-// western side, along the northern side to its passage, through the courtyard, out in the south and
-// westwards again.
+// Westwards along the south side, up the western side, eastwards along the north side to its
+// passage, through the courtyard, out in the south, and the first part again.
 Way way_around_the_block(const Town& town) {
   const Crossing block = courtyard_block;
   const double aside = town.kerb_offset() + 2.25;
@@ -159,10 +167,21 @@ Way way_around_the_block(const Town& town) {
 struct Visit {
   double along;  // m, from the start of the corridor's side
   Vector3d at_corridor;
-  Vector3d inside;
+  Way inside;
 };
 
-// Rooms with open doors towards one straight part of the corridor's middle line, in its order.
+// A small round through the free middle of a room, so that nobody has to turn on the heel.
+Way round_in_room(const Vector3d& door, const Vector3d& in) {
+  const Vector3d aside = 0.8 * Vector3d(in.y(), -in.x(), 0.0);
+  return {door + 1.1 * in,
+          door + 2.0 * in + aside,
+          door + 2.9 * in,
+          door + 2.0 * in - aside,
+          door + 1.1 * in};
+}
+
+// Core rooms with open doors towards one straight part of the corridor's middle line, in its order.
+// Only core rooms, because people walk on the other side of the corridor.
 std::vector<Visit> visits_along(const Office& office, const Vector3d& from, const Vector3d& to) {
   const Vector3d direction = (to - from).normalized();
   std::vector<Visit> visits;
@@ -172,15 +191,15 @@ std::vector<Visit> visits_along(const Office& office, const Vector3d& from, cons
     const double along = (door - from).dot(direction);
     const Vector3d foot = from + along * direction;
     const bool beside = (door - foot).norm() < office.options.corridor_width &&
-                        std::abs(in.dot(direction)) < 0.5 && along > 1.0 &&
+                        office.core.contains((door + in).head<2>()) && along > 1.0 &&
                         along < (to - from).norm() - 1.0;
-    if (room.door.open && beside) visits.push_back({along, foot, door + 2.0 * in});
+    if (room.door.open && beside) visits.push_back({along, foot, round_in_room(door, in)});
   }
   std::ranges::sort(visits, {}, &Visit::along);
   return visits;
 }
 
-// The middle line of the ring corridor, counter-clockwise, with every third open room.
+// The middle line of the ring corridor, counter-clockwise, with every second open core room.
 Way way_through_the_office(const Office& office) {
   const Eigen::Vector2d low = 0.5 * (office.ring.min() + office.core.min());
   const Eigen::Vector2d high = 0.5 * (office.ring.max() + office.core.max());
@@ -195,8 +214,10 @@ Way way_through_the_office(const Office& office) {
     const Vector3d from = k == 0 ? start : corners[k];
     const Vector3d to = corners[(k + 1) % 4];
     for (const Visit& visit : visits_along(office, from, to)) {
-      if (open_rooms++ % 3 != 1) continue;
-      way.insert(way.end(), {visit.at_corridor, visit.inside, visit.at_corridor});
+      if (open_rooms++ % 2 != 0) continue;
+      way.push_back(visit.at_corridor);
+      way.insert(way.end(), visit.inside.begin(), visit.inside.end());
+      way.push_back(visit.at_corridor);
     }
     way.push_back(to);
   }
@@ -216,8 +237,8 @@ Motion town_car_tour(const Town& town, std::uint64_t seed, Revisit revisit) {
   return motion;
 }
 
-Motion town_walk(const Town& town, std::uint64_t seed) {
-  return walk(way_around_the_block(town), seed);
+Motion town_walk(const Town& town, std::uint64_t seed, double liveliness) {
+  return walk(way_around_the_block(town), seed, liveliness);
 }
 
 Motion town_robot_tour(const Town& town, std::uint64_t seed) {
@@ -228,8 +249,8 @@ Motion office_robot_tour(const Office& office, std::uint64_t seed) {
   return roll(way_through_the_office(office), 0.9, 0.45, seed);
 }
 
-Motion office_walk(const Office& office, std::uint64_t seed) {
-  return walk(way_through_the_office(office), seed);
+Motion office_walk(const Office& office, std::uint64_t seed, double liveliness) {
+  return walk(way_through_the_office(office), seed, liveliness);
 }
 
 }  // namespace kissmap::simulator

@@ -19,8 +19,9 @@ Motion town_car_tour(const Town& town,
                      Revisit revisit = Revisit::same_direction);
 
 /// Someone walks around a block, through its courtyard, and on over the first part again, LiDAR in
-/// hand at 1.5 m: the bounce of steps, sway, and looks to the side at up to about 100 deg/s.
-Motion town_walk(const Town& town, std::uint64_t seed);
+/// hand at 1.5 m: the bounce of steps, sway, and turns of about 100 deg/s when looking aside.
+/// `liveliness` scales shaking and the speed of looks; 0 glides along without looking aside.
+Motion town_walk(const Town& town, std::uint64_t seed, double liveliness = 1.0);
 
 /// The way of town_walk by a small robot: at most 1.2 m/s, turning in place, LiDAR at 0.6 m.
 Motion town_robot_tour(const Town& town, std::uint64_t seed);
@@ -30,6 +31,6 @@ Motion town_robot_tour(const Town& town, std::uint64_t seed);
 Motion office_robot_tour(const Office& office, std::uint64_t seed);
 
 /// The way of office_robot_tour on foot, LiDAR in hand.
-Motion office_walk(const Office& office, std::uint64_t seed);
+Motion office_walk(const Office& office, std::uint64_t seed, double liveliness = 1.0);
 
 }  // namespace kissmap::simulator
