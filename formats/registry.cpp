@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/files/input_file.hpp"
 #include "formats/clouds/cloud_file.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/logs/logs.hpp"
 #include "formats/session/pack_log.hpp"
 #include "kissmap/error.hpp"

@@ -4,9 +4,11 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <span>
 
 #include "formats/clouds/refusal.hpp"
 

@@ -5,9 +5,9 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/clouds/refusal.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/files/xxh3.hpp"
-#include "formats/clouds/refusal.hpp"
 #include "formats/text/stamps.hpp"
 #include "kissmap/error.hpp"
 

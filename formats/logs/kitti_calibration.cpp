@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "formats/files/input_file.hpp"
 #include "formats/clouds/refusal.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/text/lines.hpp"
 #include "kissmap/error.hpp"
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "formats/files/input_file.hpp"
 #include "formats/clouds/bin.hpp"
 #include "formats/clouds/cloud_file.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/clouds/scan_decoder.hpp"
+#include "formats/files/input_file.hpp"
 #include "formats/logs/cloud_folder.hpp"
 #include "formats/logs/folder_log.hpp"
 #include "formats/logs/logs.hpp"

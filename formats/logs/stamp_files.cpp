@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <string_view>
 
+#include "formats/clouds/refusal.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/files/xxh3.hpp"
-#include "formats/clouds/refusal.hpp"
 #include "formats/text/lines.hpp"
 #include "formats/text/stamps.hpp"
 #include "kissmap/error.hpp"

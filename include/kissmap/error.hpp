@@ -26,7 +26,9 @@ class Error : public std::runtime_error {
   Fault fault_;
 };
 
-inline Error usage_error(const std::string& message) { return {Fault::usage, message}; }
+inline Error usage_error(const std::string& message) {
+  return {Fault::usage, message};
+}
 inline Error input_error(const std::filesystem::path& path, const std::string& message) {
   return {Fault::input, path.string() + ": " + message};
 }

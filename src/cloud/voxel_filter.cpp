@@ -28,11 +28,11 @@ void VoxelFilter::apply(std::span<const Eigen::Vector3f> points,
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const Voxel voxel = voxel_of(points[i], per_metre);
     const VoxelKey key = voxel_key(voxel);
-    const Eigen::Vector3f center = Eigen::Vector3f(static_cast<float>(voxel.x),
-                                                   static_cast<float>(voxel.y),
-                                                   static_cast<float>(voxel.z))
-                                       .array() +
-                                   0.5F;
+    const Eigen::Vector3f center =
+        Eigen::Vector3f(
+            static_cast<float>(voxel.x), static_cast<float>(voxel.y), static_cast<float>(voxel.z))
+            .array() +
+        0.5F;
     const float squared_distance = (points[i] * per_metre - center).squaredNorm();
     // Neighbours in a sweep mostly share their voxel, which saves the look-up.
     if (entry == nullptr || entry->key != key) entry = &slot_of(key);

@@ -53,8 +53,7 @@ Rigid3 Rigid3::from_matrix(const Eigen::Matrix<double, 3, 4>& matrix) {
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   signs.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1.0 : 1.0;
-  const Eigen::Matrix3d rotation =
-      svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   return {Eigen::Quaterniond(rotation).normalized(), matrix.col(3)};
 }
 

@@ -98,7 +98,8 @@ class ThreadPool::Workers {
 };
 
 ThreadPool::ThreadPool(int threads)
-    : workers_(std::make_unique<Workers>(threads > 0 ? threads : usable_processors())) {}
+    : workers_(std::make_unique<Workers>(threads > 0 ? threads : usable_processors())) {
+}
 
 ThreadPool::~ThreadPool() = default;
 

@@ -55,8 +55,8 @@ TEST_P(Simulated, IsTrackedWithinOnePercentOfThePath) {
     Scenario scenario = GetParam();
     scenario.seed = seed;
     const Drive drive = map_scenario(scenario);
-    EXPECT_LT(drive.ate_percent(), 1.0) << "ATE " << drive.error.ate << " m of " << drive.path
-                                        << " m, seed " << seed;
+    EXPECT_LT(drive.ate_percent(), 1.0)
+        << "ATE " << drive.error.ate << " m of " << drive.path << " m, seed " << seed;
     RecordProperty("ate_m_seed_" + std::to_string(seed), std::to_string(drive.error.ate));
   }
 }
@@ -65,7 +65,8 @@ TEST_P(SimulatedHard, ThePublishedMethodStruggles) {
   // A simulator on which everything is easy is no test. When this fails because the odometry has
   // become better, move the scenario to the tracked ones.
   const Drive drive = map_scenario(GetParam());
-  EXPECT_GT(drive.ate_percent(), 1.0) << "ATE " << drive.error.ate << " m of " << drive.path << " m";
+  EXPECT_GT(drive.ate_percent(), 1.0)
+      << "ATE " << drive.error.ate << " m of " << drive.path << " m";
 }
 
 std::string name_of(const testing::TestParamInfo<Scenario>& info) {
@@ -74,7 +75,10 @@ std::string name_of(const testing::TestParamInfo<Scenario>& info) {
   return name;
 }
 
-Scenario scenario(const char* world, const char* sensor, const char* motion, std::size_t scans = 0) {
+Scenario scenario(const char* world,
+                  const char* sensor,
+                  const char* motion,
+                  std::size_t scans = 0) {
   Scenario s;
   s.world = world;
   s.sensor = sensor;
@@ -88,6 +92,13 @@ INSTANTIATE_TEST_SUITE_P(Tracked,
                          testing::Values(scenario("town", "spinning16", "car"),
                                          scenario("town", "spinning32", "car-opposite", 600),
                                          scenario("town", "spinning64", "car", 300)),
+                         name_of);
+
+INSTANTIATE_TEST_SUITE_P(Hard,
+                         SimulatedHard,
+                         testing::Values(scenario("town", "rosette", "handheld", 300),
+                                         scenario("town", "raster", "handheld", 300),
+                                         scenario("office", "raster", "robot", 500)),
                          name_of);
 
 }  // namespace

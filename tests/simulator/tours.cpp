@@ -228,11 +228,16 @@ Way way_through_the_office(const Office& office) {
 }  // namespace
 
 Motion town_car_tour(const Town& town, std::uint64_t seed, Revisit revisit) {
+  return town_car_drive(
+      town,
+      seed,
+      revisit == Revisit::same_direction ? same_direction_route() : opposite_direction_route());
+}
+
+Motion town_car_drive(const Town& town, std::uint64_t seed, const std::vector<Crossing>& route) {
   Random random{seed, tour_stream, 0};
   const DrivingStyle style = car_style();
-  const Way way = town.lane_through(
-      revisit == Revisit::same_direction ? same_direction_route() : opposite_direction_route());
-  Motion motion = with_lidar_at(1.9, style, drive(way, style));
+  Motion motion = with_lidar_at(1.9, style, drive(town.lane_through(route), style));
   motion.wobbles = suspension(random);
   return motion;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "simulator/motion.hpp"
 #include "simulator/office.hpp"
@@ -17,6 +18,9 @@ enum class Revisit { same_direction, opposite_direction };
 Motion town_car_tour(const Town& town,
                      std::uint64_t seed,
                      Revisit revisit = Revisit::same_direction);
+
+/// The same car on a way of your choice.
+Motion town_car_drive(const Town& town, std::uint64_t seed, const std::vector<Crossing>& route);
 
 /// Someone walks around a block, through its courtyard, and on over the first part again, LiDAR in
 /// hand at 1.5 m: the bounce of steps, sway, and turns of about 100 deg/s when looking aside.

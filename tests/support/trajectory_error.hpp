@@ -35,7 +35,8 @@ inline Positions read_tum_positions(const std::filesystem::path& path) {
 
 inline double length_of(const Positions& positions) {
   double length = 0.0;
-  for (auto it = positions.begin(); it != positions.end() && std::next(it) != positions.end(); ++it) {
+  for (auto it = positions.begin(); it != positions.end() && std::next(it) != positions.end();
+       ++it) {
     length += (std::next(it)->second - it->second).norm();
   }
   return length;

@@ -17,24 +17,24 @@ namespace kissmap {
 /// What a user may tell a reader that the log itself does not say.
 struct ReadOptions {
   bool kitti_elevation_correction = true;  ///< KITTI odometry only: raise points by 0.205 degrees
-  std::string time_field;   ///< name of the per-point time field; empty: found by rule
-  std::string time_unit;    ///< s, ms, us, ns or none (no times); empty: found by rule
-  int bin_columns = 0;      ///< float32 columns of a headerless .bin; 0: found by rule
+  std::string time_field;  ///< name of the per-point time field; empty: found by rule
+  std::string time_unit;   ///< s, ms, us, ns or none (no times); empty: found by rule
+  int bin_columns = 0;     ///< float32 columns of a headerless .bin; 0: found by rule
 };
 /// Throws Error(usage) naming the field.
 void require_valid(const ReadOptions& options);
 
 /// One file of a log, as it was when read.
 struct LogFile {
-  std::string name;              ///< relative to the log's folder, '/' as separator
+  std::string name;  ///< relative to the log's folder, '/' as separator
   std::uint64_t size_bytes = 0;
-  std::string xxh3;              ///< XXH3-128 of the content, 32 hex digits; empty if not read
+  std::string xxh3;  ///< XXH3-128 of the content, 32 hex digits; empty if not read
   friend bool operator==(const LogFile&, const LogFile&) = default;
 };
 
 /// What is known of a log before its scans are read.
 struct LogInfo {
-  std::string format;                     ///< name in the list of formats
+  std::string format;  ///< name in the list of formats
   std::filesystem::path path;
   std::optional<std::size_t> scan_count;  ///< none where only reading to the end can tell
   std::string stamp_source;               ///< "times.txt", "file names", "index" ...

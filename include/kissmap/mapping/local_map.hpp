@@ -23,12 +23,12 @@ enum class LocalMapEnd : std::uint8_t { split, end_of_log };
 /// A closed local map (METHOD section 2). Its keypose is the pose of the last scan before it;
 /// the first local map's keypose is the identity.
 struct LocalMap {
-  std::uint32_t id = 0;             ///< counts from 0 in the order of recording
-  Rigid3 map_from_local_map;        ///< the keypose
-  SurfelCloud surfels;              ///< local_map frame
-  std::uint64_t scan_count = 0;     ///< scans whose pose is relative to this keypose
-  double path_length = 0.0;         ///< m, sum of the motions between its scans
-  double displacement = 0.0;        ///< m, last scan from the keypose
+  std::uint32_t id = 0;          ///< counts from 0 in the order of recording
+  Rigid3 map_from_local_map;     ///< the keypose
+  SurfelCloud surfels;           ///< local_map frame
+  std::uint64_t scan_count = 0;  ///< scans whose pose is relative to this keypose
+  double path_length = 0.0;      ///< m, sum of the motions between its scans
+  double displacement = 0.0;     ///< m, last scan from the keypose
   LocalMapEnd end = LocalMapEnd::split;
 };
 
@@ -40,11 +40,11 @@ struct MappedScan {
   Rigid3 local_map_from_lidar;
   Rigid3 map_from_lidar;
   bool deskewed = false;
-  Rigid3 sweep_start_from_sweep_end;    ///< motion the points were deskewed with, or identity
-  std::uint64_t points_read = 0;        ///< usable returns in the scan
-  std::uint64_t points_in_range = 0;    ///< of these, between min and max range
-  std::uint32_t iterations = 0;         ///< of the registration
-  bool converged = true;                ///< the registration's last update was small enough
+  Rigid3 sweep_start_from_sweep_end;  ///< motion the points were deskewed with, or identity
+  std::uint64_t points_read = 0;      ///< usable returns in the scan
+  std::uint64_t points_in_range = 0;  ///< of these, between min and max range
+  std::uint32_t iterations = 0;       ///< of the registration
+  bool converged = true;              ///< the registration's last update was small enough
 };
 
 }  // namespace kissmap
