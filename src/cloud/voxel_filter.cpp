@@ -24,48 +24,37 @@ void VoxelFilter::apply(std::span<const Eigen::Vector3f> points,
   bits_ = first_bits(points.size());
   table_.assign(std::size_t{1} << bits_, Entry{});
   used_ = 0;
-  Entry* entry = nullptr;
+  VoxelKey last = no_voxel;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    const Voxel voxel = voxel_of(points[i], per_metre);
-    const VoxelKey key = voxel_key(voxel);
-    const Eigen::Vector3f center =
-        Eigen::Vector3f(
-            static_cast<float>(voxel.x), static_cast<float>(voxel.y), static_cast<float>(voxel.z))
-            .array() +
-        0.5F;
-    const float squared_distance = (points[i] * per_metre - center).squaredNorm();
+    const VoxelKey key = voxel_key(voxel_of(points[i], per_metre));
     // Neighbours in a sweep mostly share their voxel, which saves the look-up.
-    if (entry == nullptr || entry->key != key) entry = &slot_of(key);
-    if (entry->key == no_voxel) {
-      *entry = {key, i, squared_distance};
-      if (2 * ++used_ > table_.size()) {
-        grow();
-        entry = nullptr;
-      }
-    } else if (squared_distance < entry->squared_distance) {
-      entry->point_idx = i;
-      entry->squared_distance = squared_distance;
-    }
+    if (key != last) insert({key, i});
+    last = key;
   }
   kept.clear();
-  for (const Entry& e : table_) {
-    if (e.key != no_voxel) kept.push_back(points[e.point_idx]);
+  for (const Entry& entry : table_) {
+    if (entry.key != no_voxel) kept.push_back(points[entry.point_idx]);
   }
 }
 
-VoxelFilter::Entry& VoxelFilter::slot_of(VoxelKey key) {
+void VoxelFilter::insert(const Entry& entry) {
   const std::size_t mask = table_.size() - 1;
-  std::size_t i = voxel_hash(key, bits_);
-  while (table_[i].key != key && table_[i].key != no_voxel) i = (i + 1) & mask;
-  return table_[i];
+  std::size_t i = voxel_hash(entry.key, bits_);
+  while (table_[i].key != no_voxel) {
+    if (table_[i].key == entry.key) return;
+    i = (i + 1) & mask;
+  }
+  table_[i] = entry;
+  if (2 * ++used_ > table_.size()) grow();
 }
 
 void VoxelFilter::grow() {
   ++bits_;
   table_.swap(old_table_);
   table_.assign(std::size_t{1} << bits_, Entry{});
+  used_ = 0;
   for (const Entry& entry : old_table_) {
-    if (entry.key != no_voxel) slot_of(entry.key) = entry;
+    if (entry.key != no_voxel) insert(entry);
   }
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>
@@ -40,10 +42,11 @@ void bind(CLI::App& app, Options& options) {
 int simulate(const Options& options) {
   const Simulator simulator = make_simulator(options.scenario);
   const std::size_t count = simulator.scan_count();
+  const bool terminal = isatty(STDERR_FILENO) == 1;
   write_log_folder(simulator, options.folder, options.threads, [&](std::size_t done) {
-    std::fprintf(stderr, "\r%zu of %zu scans", done, count);
+    if (terminal) std::fprintf(stderr, "\r%zu of %zu scans", done, count);
   });
-  std::fprintf(stderr, "\n");
+  if (terminal) std::fprintf(stderr, "\r\033[K");
   std::printf("%s: %zu scans and truth.tum\n", options.folder.c_str(), count);
   return 0;
 }

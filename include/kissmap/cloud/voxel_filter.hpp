@@ -10,12 +10,11 @@
 
 namespace kissmap {
 
-/// Thins a cloud to one original point a voxel: the one nearest the voxel's centre, the first of
-/// equals. Unlike the first in recorded order, it does not lean to the side from which a sensor
-/// sweeps, and is the same in whatever order a sensor writes its points.
+/// Thins a cloud to one original point a voxel, the first in the order given.
 ///
 /// Kept points come in the order of their voxels' hashes, so that neighbours in space are strewn
-/// over the result: whoever takes some of them in turn takes them from everywhere.
+/// over the result. It matters: a second, coarser thinning of points in recorded order would keep
+/// those on the side from which the sensor sweeps, a bias that has lost whole logs.
 /// The result depends on the points alone. The table is kept between calls, so that clouds of
 /// similar size need no allocation. Not thread safe.
 class VoxelFilter {
@@ -29,10 +28,9 @@ class VoxelFilter {
   struct Entry {
     VoxelKey key = no_voxel;
     std::uint32_t point_idx = 0;
-    float squared_distance = 0.0F;  ///< voxels^2, from the voxel's centre
   };
 
-  Entry& slot_of(VoxelKey key);
+  void insert(const Entry& entry);
   void grow();
 
   std::vector<Entry> table_;  ///< open addressing, linear probing, at most half full
