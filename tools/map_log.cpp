@@ -19,7 +19,7 @@ class Books {
     }
   }
 
-  void use(const LogEntry& entry, const MappedScan& scan) {
+  void use(const LogEntry& entry, const MappedScan& scan, bool stamp_is_index) {
     SessionCounts& counts = totals.counts;
     ++counts.scans_used;
     counts.scans_not_converged += scan.converged ? 0 : 1;
@@ -32,7 +32,9 @@ class Books {
     } else {
       first_stamp_ = scan.pose_stamp_ns;
     }
-    totals.log_seconds = 1e-9 * static_cast<double>(scan.pose_stamp_ns - first_stamp_);
+    if (!stamp_is_index) {
+      totals.log_seconds = 1e-9 * static_cast<double>(scan.pose_stamp_ns - first_stamp_);
+    }
     last_ = scan;
   }
 
@@ -85,7 +87,7 @@ MappedLog map_log(ScanLog& log,
       continue;
     }
     const auto& mapped = std::get<MappedScan>(step.scan);
-    books.use(*entry, mapped);
+    books.use(*entry, mapped, scan.stamp_is_index);
     session.add_scan({entry->index, mapped});
     write_map(step.closed);
     progress({books.totals.counts.scans_read,

@@ -16,7 +16,7 @@ namespace kissmap {
 struct MappedLog {
   SessionCounts counts;
   double path_length = 0.0;  ///< m
-  double log_seconds = 0.0;  ///< s, from the first used scan's pose to the last's
+  double log_seconds = 0.0;  ///< s from the first used scan to the last; 0 without stamps
   std::uint32_t local_maps = 0;
 };
 

@@ -44,10 +44,11 @@ void report(const RunCommand& command,
               mapped.path_length,
               mapped.local_maps,
               mapped.local_maps == 1 ? "" : "s");
-  std::printf("  time        %.1f s, %.1f scans/s, %.1f times real time\n",
-              seconds,
-              scans / seconds,
-              mapped.log_seconds / seconds);
+  std::printf("  time        %.1f s, %.1f scans/s", seconds, scans / seconds);
+  if (mapped.log_seconds > 0.0) {
+    std::printf(", %.1f times real time", mapped.log_seconds / seconds);
+  }
+  std::printf("\n");
   if (manifest.pack) std::printf("  pack        %s\n", describe(*manifest.pack).c_str());
   std::fputs(describe_refusals(mapped.counts).c_str(), stdout);
   std::printf("  look at     %s\n", (command.session / "map.png").c_str());
