@@ -16,6 +16,8 @@ template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
 };
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
 
 std::string flag_of(std::string key) {
   std::ranges::replace(key, '_', '-');
@@ -93,6 +95,106 @@ std::string place(const std::filesystem::path& file,
   return file.string();
 }
 
+std::vector<Setting> log_settings(ReadOptions& log) {
+  return {
+      {"log",
+       "kitti_elevation_correction",
+       "",
+       "raise the points of KITTI odometry logs by 0.205 degrees, undoing an error of their "
+       "calibration; no effect on other formats",
+       &log.kitti_elevation_correction},
+      {"log",
+       "time_field",
+       "",
+       "name of the per-point time field; empty: found by rule",
+       &log.time_field},
+      {"log",
+       "time_unit",
+       "",
+       "unit of that field: s, ms, us, ns, or none to ignore it; empty: found by rule",
+       &log.time_unit},
+      {"log",
+       "bin_columns",
+       "",
+       "float32 columns of headerless .bin files; 0: found by rule",
+       &log.bin_columns},
+  };
+}
+
+std::vector<Setting> odometry_settings(OdometryOptions& odometry) {
+  return {
+      {"odometry", "max_range", "m", "farther points are dropped", &odometry.max_range},
+      {"odometry", "min_range", "m", "nearer points are dropped", &odometry.min_range},
+      {"odometry",
+       "voxel_size",
+       "m",
+       "of the odometry's map; 0: max_range / 100",
+       &odometry.voxel_size},
+      {"odometry",
+       "deskew",
+       "",
+       "undo the motion inside a sweep where points have times",
+       &odometry.deskew},
+      {"odometry",
+       "max_points_per_voxel",
+       "",
+       "of the odometry's map",
+       &odometry.max_points_per_voxel},
+      {"odometry",
+       "initial_threshold",
+       "m",
+       "expected error of the motion model before any scan",
+       &odometry.initial_threshold},
+      {"odometry",
+       "min_motion",
+       "m",
+       "smaller errors of the motion model do not count",
+       &odometry.min_motion},
+      {"odometry",
+       "max_iterations",
+       "",
+       "of the registration of one scan",
+       &odometry.registration.max_iterations},
+      {"odometry",
+       "min_update",
+       "m, rad",
+       "a smaller step ends the registration of a scan",
+       &odometry.registration.min_update},
+  };
+}
+
+std::vector<Setting> local_map_settings(LocalMapOptions& local_maps) {
+  return {
+      {"local_maps",
+       "local_map_voxel_size",
+       "m",
+       "of the grid of a local map",
+       &local_maps.voxel_size},
+      {"local_maps",
+       "local_map_points_per_voxel",
+       "",
+       "of the grid of a local map",
+       &local_maps.max_points_per_voxel},
+      {"local_maps",
+       "splitting_distance",
+       "m",
+       "distance from its keypose at which a local map is closed",
+       &local_maps.splitting_distance},
+  };
+}
+
+std::string unknown_key(const std::string& where,
+                        const std::string& section,
+                        const std::string& key,
+                        const Setting* elsewhere,
+                        const std::vector<Setting>& all) {
+  std::string message = where + ": unknown key '";
+  if (!section.empty()) message.append(section).append(".");
+  message.append(key).append("'; ");
+  if (elsewhere == nullptr) return message.append("known are ").append(keys_of(all));
+  return message.append("it belongs under [").append(elsewhere->section).append("]");
+}
+
 }  // namespace
 
 void require_valid(const Configuration& configuration) {
@@ -101,82 +203,11 @@ void require_valid(const Configuration& configuration) {
   require_valid(configuration.local_maps);
 }
 
-std::vector<Setting> settings(Configuration& c) {
-  return {
-      {"log",
-       "kitti_elevation_correction",
-       "",
-       "raise the points of KITTI odometry logs by 0.205 degrees, undoing an error of their "
-       "calibration; no effect on other formats",
-       &c.log.kitti_elevation_correction},
-      {"log",
-       "time_field",
-       "",
-       "name of the per-point time field; empty: found by rule",
-       &c.log.time_field},
-      {"log",
-       "time_unit",
-       "",
-       "unit of that field: s, ms, us, ns, or none to ignore it; empty: found by rule",
-       &c.log.time_unit},
-      {"log",
-       "bin_columns",
-       "",
-       "float32 columns of headerless .bin files; 0: found by rule",
-       &c.log.bin_columns},
-      {"odometry", "max_range", "m", "farther points are dropped", &c.odometry.max_range},
-      {"odometry", "min_range", "m", "nearer points are dropped", &c.odometry.min_range},
-      {"odometry",
-       "voxel_size",
-       "m",
-       "of the odometry's map; 0: max_range / 100",
-       &c.odometry.voxel_size},
-      {"odometry",
-       "deskew",
-       "",
-       "undo the motion inside a sweep where points have times",
-       &c.odometry.deskew},
-      {"odometry",
-       "max_points_per_voxel",
-       "",
-       "of the odometry's map",
-       &c.odometry.max_points_per_voxel},
-      {"odometry",
-       "initial_threshold",
-       "m",
-       "expected error of the motion model before any scan",
-       &c.odometry.initial_threshold},
-      {"odometry",
-       "min_motion",
-       "m",
-       "smaller errors of the motion model do not count",
-       &c.odometry.min_motion},
-      {"odometry",
-       "max_iterations",
-       "",
-       "of the registration of one scan",
-       &c.odometry.registration.max_iterations},
-      {"odometry",
-       "min_update",
-       "m, rad",
-       "a smaller step ends the registration of a scan",
-       &c.odometry.registration.min_update},
-      {"local_maps",
-       "local_map_voxel_size",
-       "m",
-       "of the grid of a local map",
-       &c.local_maps.voxel_size},
-      {"local_maps",
-       "local_map_points_per_voxel",
-       "",
-       "of the grid of a local map",
-       &c.local_maps.max_points_per_voxel},
-      {"local_maps",
-       "splitting_distance",
-       "m",
-       "distance from its keypose at which a local map is closed",
-       &c.local_maps.splitting_distance},
-  };
+std::vector<Setting> settings(Configuration& configuration) {
+  std::vector<Setting> all = log_settings(configuration.log);
+  std::ranges::copy(odometry_settings(configuration.odometry), std::back_inserter(all));
+  std::ranges::copy(local_map_settings(configuration.local_maps), std::back_inserter(all));
+  return all;
 }
 
 std::string to_toml(Configuration configuration) {
@@ -236,11 +267,7 @@ void apply_file(const std::filesystem::path& file, Configuration& configuration)
     const Setting* setting = find(all, item.name);
     const std::string section = item.parents.empty() ? "" : item.parents.front();
     if (setting == nullptr || section != setting->section) {
-      const std::string name = (section.empty() ? "" : section + ".") + item.name;
-      throw usage_error(where + ": unknown key '" + name + "'" +
-                        (setting == nullptr
-                             ? "; known are " + keys_of(all)
-                             : "; it belongs under [" + std::string(setting->section) + "]"));
+      throw usage_error(unknown_key(where, section, item.name, setting, all));
     }
     if (item.inputs.size() != 1) throw usage_error(where + ": " + item.name + " needs one value");
     set(*setting, item.inputs.front(), where);

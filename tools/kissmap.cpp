@@ -107,6 +107,9 @@ int main_of(int argc, char** argv) {
 }  // namespace
 }  // namespace kissmap
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   return kissmap::main_of(argc, argv);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "kissmap: internal error: %s\n", error.what());
+  return static_cast<int>(kissmap::Fault::internal);
 }
