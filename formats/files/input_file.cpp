@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <span>
+#include <system_error>
 
 #include "formats/clouds/refusal.hpp"
 
@@ -47,7 +47,8 @@ class OpenFile {
 
  private:
   [[noreturn]] static void fail(const char* what) {
-    throw Refusal(refusal_reason::unreadable, std::string(what) + ": " + std::strerror(errno));
+    throw Refusal(refusal_reason::unreadable,
+                  std::string(what) + ": " + std::generic_category().message(errno));
   }
   int descriptor_;
 };

@@ -6,7 +6,8 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
+#include <string>
+#include <system_error>
 #include <utility>
 
 #include "kissmap/error.hpp"
@@ -35,8 +36,9 @@ const char* cure(int code) {
 }
 
 Error system_error(const std::filesystem::path& path, const char* action, int code) {
-  return output_error(
-      path, std::string("cannot ") + action + ": " + std::strerror(code) + "; " + cure(code));
+  return output_error(path,
+                      std::string("cannot ") + action + ": " +
+                          std::generic_category().message(code) + "; " + cure(code));
 }
 
 // Pipes and devices have nothing to flush to a disk and say so with EINVAL.

@@ -104,6 +104,7 @@ void Canvas::draw_line(const std::vector<Eigen::Vector2f>& points,
                        const Colour& colour) {
   // Collected before it is painted: overlapping edges of segments would add up to a rough line.
   std::vector<float> coverage(picture_.rgb.size() / 3, 0.0F);
+  const auto columns = static_cast<std::size_t>(width());
   const float reach = half_width + 1.0F;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector2f& to = points[i];
@@ -116,14 +117,16 @@ void Canvas::draw_line(const std::vector<Eigen::Vector2f>& points,
       for (int x = left; x <= right; ++x) {
         const Eigen::Vector2f pixel(static_cast<float>(x), static_cast<float>(y));
         const float covered = edge_coverage(half_width - distance_to_segment(pixel, from, to));
-        float& place = coverage[static_cast<std::size_t>(y * width() + x)];
+        float& place =
+            coverage[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)];
         place = std::max(place, covered);
       }
     }
   }
   for (int y = 0; y < height(); ++y) {
     for (int x = 0; x < width(); ++x) {
-      const float covered = coverage[static_cast<std::size_t>(y * width() + x)];
+      const float covered =
+          coverage[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)];
       if (covered > 0.0F) blend(x, y, colour, covered);
     }
   }
