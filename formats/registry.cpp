@@ -10,6 +10,8 @@
 #include "formats/logs/logs.hpp"
 #include "formats/session/pack_log.hpp"
 #include "kissmap/error.hpp"
+#include "kissmap/formats/pack.hpp"
+#include "kissmap/formats/session.hpp"
 
 namespace kissmap {
 namespace {
@@ -85,6 +87,17 @@ const LogFormat& format_of(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error) && std::filesystem::is_empty(path, error)) {
     throw input_error(path, "an empty folder, no log; known are:" + listed(all_formats()));
   }
+  if (is_session(path)) {
+    throw input_error(path,
+                      "a session whose scans are not stored inside, or whose " +
+                          std::string(pack_file_name) +
+                          " is damaged; give the log it was made from (see 'kissmap info'), or "
+                          "make a pack with 'kissmap pack'");
+  }
+  std::filesystem::directory_iterator(path, error);
+  if (error && error != std::errc::not_a_directory) {
+    throw input_error(path, "cannot be listed: " + error.message());
+  }
   throw input_error(
       path,
       "not a log kissmap can read; " + foreign_kind(path) + "known are:" + listed(all_formats()));
@@ -104,6 +117,11 @@ std::unique_ptr<ScanLog> open_log(const std::filesystem::path& path,
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     throw input_error(path, error ? error.message() : "no such file or folder");
+  }
+  // Before any probe: opening a pipe would wait for a writer.
+  if (!std::filesystem::is_directory(path, error) &&
+      !std::filesystem::is_regular_file(path, error)) {
+    throw input_error(path, "is neither a file nor a folder");
   }
   return (named != nullptr ? *named : format_of(path)).open(path, options);
 }

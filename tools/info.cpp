@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "kissmap/error.hpp"
+#include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/registry.hpp"
 #include "kissmap/formats/session.hpp"
 #include "report.hpp"
@@ -44,7 +45,7 @@ void print_scan(const LogEntry& entry) {
   }
   const auto& scan = std::get<Scan>(entry.content);
   std::printf("  first scan  %s: %s returns, %s left out\n",
-              entry.name.c_str(),
+              printable(entry.name).c_str(),
               with_commas(scan.points.size()).c_str(),
               with_commas(scan.dropped.total()).c_str());
   std::printf("  points      %s intensity, %s\n",
@@ -106,6 +107,13 @@ void print_log(const InfoCommand& command) {
   if (command.all) print_whole(*log, std::move(*entry));
 }
 
+void require_pack(const std::filesystem::path& session, const PackSummary& pack) {
+  const std::filesystem::path file = session / pack_file_name;
+  std::error_code missing;
+  if (std::filesystem::file_size(file, missing) == pack.bytes && !missing) return;
+  throw input_error(file, "is missing or not as it was written; make it again with 'kissmap pack'");
+}
+
 void print_session(const std::filesystem::path& path) {
   const Session session = read_session(path);
   const SessionManifest& manifest = session.manifest;
@@ -126,6 +134,7 @@ void print_session(const std::filesystem::path& path) {
               manifest.path_length,
               session.local_maps.size(),
               session.local_maps.size() == 1 ? "" : "s");
+  if (manifest.pack) require_pack(path, *manifest.pack);
   std::printf("  pack        %s\n", manifest.pack ? describe(*manifest.pack).c_str() : "none");
   std::fputs(describe_refusals(manifest.counts).c_str(), stdout);
 }

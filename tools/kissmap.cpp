@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -8,6 +9,7 @@
 #include "commands.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
+#include "report.hpp"
 
 namespace kissmap {
 namespace {
@@ -23,6 +25,15 @@ struct Commands {
   std::map<const CLI::App*, std::function<void()>> action;
 };
 
+/// CLI11 lets -1 pass for a huge unsigned number.
+CLI::Validator whole_number() {
+  return {[](const std::string& text) -> std::string {
+            const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
+            return digits && text.size() < 16 ? "" : text + " is not a whole number from 0";
+          },
+          ""};
+}
+
 void declare_run(CLI::App& app, Commands& commands) {
   RunCommand& c = commands.run;
   CLI::App* command = app.add_subcommand("run", "Map a recorded log: LOG in, SESSION folder out");
@@ -33,11 +44,15 @@ void declare_run(CLI::App& app, Commands& commands) {
       ->type_name("SESSION");
   command->add_option("--format", c.format, "format of the log (default: found by looking at it)")
       ->type_name("NAME");
-  command->add_option("--first", c.selection.first, "index of the first scan to use (0)")
-      ->type_name("I");
+  command->add_option("--first", c.selection.first, "index of the first scan to use, from 0 (0)")
+      ->type_name("I")
+      ->check(whole_number());
   command->add_option("--last", c.selection.last, "index of the last scan to use (end of the log)")
-      ->type_name("I");
-  command->add_option("--every", c.selection.every, "use every Nth scan (1)")->type_name("N");
+      ->type_name("I")
+      ->check(whole_number());
+  command->add_option("--every", c.selection.every, "use every Nth scan (1)")
+      ->type_name("N")
+      ->check(whole_number());
   command
       ->add_option("--threads",
                    c.threads,
@@ -55,7 +70,7 @@ void declare_others(CLI::App& app, Commands& commands) {
   CLI::App* about = app.add_subcommand("info", "Tell what is in a log or a session");
   about->add_option("PATH", commands.info.path, "log or session")->required();
   about->add_option("--format", commands.info.format, "format of the log")->type_name("NAME");
-  about->add_flag("--all", commands.info.all, "read the whole log: counts, bad scans, gaps");
+  about->add_flag("--all", commands.info.all, "of a log: read it whole; counts, bad scans, gaps");
   commands.action[about] = [&c = commands.info] { info(c); };
 
   CLI::App* pack_command = app.add_subcommand(
@@ -76,7 +91,7 @@ int dispatch(const CLI::App& app, const Commands& commands) {
     if (std::fflush(stdout) != 0) throw Error(Fault::output, "standard output cannot be written");
     return 0;
   } catch (const Error& error) {
-    std::fprintf(stderr, "kissmap: %s\n", error.what());
+    std::fprintf(stderr, "kissmap: %s\n", printable(error.what(), true).c_str());
     return static_cast<int>(error.fault());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "kissmap: out of memory\n");
@@ -108,6 +123,8 @@ int main_of(int argc, char** argv) {
 }  // namespace kissmap
 
 int main(int argc, char** argv) try {
+  // A file beyond the process's limit is an error to report, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
   return kissmap::main_of(argc, argv);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "kissmap: internal error: %s\n", error.what());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "map_log.hpp"
 
+#include <utility>
+
 #include "kissmap/error.hpp"
 
 namespace kissmap {
@@ -49,9 +51,42 @@ class Books {
   std::int64_t first_stamp_ = 0;
 };
 
+/// Reads a log one scan ahead, to tell a scan whose stamp jumps forward from one that is late: the
+/// mapper takes stamps in ascending order, and one far ahead would cost it all scans after.
+class StampWatch {
+ public:
+  explicit StampWatch(ScanLog& log) : log_(log), coming_(log.next()) {}
+
+  std::optional<LogEntry> next() {
+    if (current_stamp_ && !ahead_of_next()) last_stamp_ = current_stamp_;
+    std::optional<LogEntry> current = std::exchange(coming_, std::nullopt);
+    if (current) coming_ = log_.next();
+    current_stamp_ = stamp_of(current);
+    return current;
+  }
+
+  /// True if the scan after the current one is earlier, but not earlier than the one before.
+  bool ahead_of_next() const {
+    const std::optional<std::int64_t> next = stamp_of(coming_);
+    if (!current_stamp_ || !next || *next >= *current_stamp_) return false;
+    return !last_stamp_ || *next > *last_stamp_;
+  }
+
+ private:
+  static std::optional<std::int64_t> stamp_of(const std::optional<LogEntry>& entry) {
+    const Scan* scan = entry ? std::get_if<Scan>(&entry->content) : nullptr;
+    return scan == nullptr ? std::nullopt : std::optional(scan->stamp_ns);
+  }
+
+  ScanLog& log_;
+  std::optional<LogEntry> coming_;
+  std::optional<std::int64_t> current_stamp_;
+  std::optional<std::int64_t> last_stamp_;
+};
+
 [[noreturn]] void refuse_log(const ScanLog& log, const SessionCounts& counts) {
   if (counts.scans_read == 0) throw input_error(log.info().path, "holds no scan");
-  std::string message = "none of its " + std::to_string(counts.scans_read) + " scans can be used";
+  std::string message = "no scan of " + std::to_string(counts.scans_read) + " can be used";
   for (const auto& [reason, refusals] : counts.scans_refused) {
     message += "\n  " + std::to_string(refusals.count) + " x " + reason + ", for example " +
                refusals.examples.front();
@@ -72,9 +107,14 @@ MappedLog map_log(ScanLog& log,
     session.add_local_map(*closed);
     ++books.totals.local_maps;
   };
-  while (const std::optional<LogEntry> entry = log.next()) {
+  StampWatch stamps(log);
+  while (const std::optional<LogEntry> entry = stamps.next()) {
     ++books.totals.counts.scans_read;
     if (pack != nullptr) pack->add(*entry);
+    if (stamps.ahead_of_next()) {
+      books.refuse(*entry, "stamp later than that of the scan after", "");
+      continue;
+    }
     if (const auto* refused = std::get_if<RefusedScan>(&entry->content)) {
       books.refuse(*entry, refused->reason, refused->detail);
       continue;

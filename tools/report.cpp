@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "report.hpp"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 
@@ -25,13 +26,23 @@ std::string text(const char* pattern, ...) {
   return result;
 }
 
+std::string printable(std::string text, bool keep_lines) {
+  std::ranges::replace_if(
+      text,
+      [keep_lines](unsigned char c) {
+        return (c < 0x20 && !(keep_lines && c == '\n')) || c == 0x7F;
+      },
+      '?');
+  return text;
+}
+
 std::string describe_refusals(const SessionCounts& counts) {
   std::string lines;
   for (const auto& [reason, refusals] : counts.scans_refused) {
     lines += "  left out    " + with_commas(refusals.count) +
              (refusals.count == 1 ? " scan: " : " scans: ") + reason + "\n";
     for (const std::string& example : refusals.examples)
-      lines += "                " + example + "\n";
+      lines += "                " + printable(example) + "\n";
     if (refusals.count > refusals.examples.size()) lines += "                ...\n";
   }
   const DroppedReturns& dropped = counts.points_dropped;
@@ -47,7 +58,7 @@ std::string describe_refusals(const SessionCounts& counts) {
   }
   if (counts.scans_not_converged > 0) {
     lines += "  take care   " + with_commas(counts.scans_not_converged) +
-             " scans whose registration did not converge\n";
+             " scan(s) whose registration did not converge\n";
   }
   for (const StampGap& gap : counts.gaps) {
     lines += text("  take care   a gap of %.1f s before scan %llu\n",

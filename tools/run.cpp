@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "commands.hpp"
+#include "kissmap/error.hpp"
 #include "kissmap/formats/pictures.hpp"
 #include "kissmap/formats/registry.hpp"
 #include "kissmap/version.hpp"
@@ -14,19 +15,15 @@ namespace {
 
 SessionManifest manifest_of(const RunCommand& command,
                             const Configuration& configuration,
-                            const ScanLog& log,
-                            const MappedLog& mapped) {
+                            const LogInfo& log) {
   SessionManifest manifest;
   manifest.program_version = version();
-  manifest.log.path = std::filesystem::absolute(log.info().path).lexically_normal();
-  manifest.log.format = log.info().format;
-  manifest.log.stamp_source = log.info().stamp_source;
+  manifest.log.path = (std::filesystem::absolute(log.path) / "").lexically_normal().parent_path();
+  manifest.log.format = log.format;
+  manifest.log.stamp_source = log.stamp_source;
   manifest.log.read_options = configuration.log;
   manifest.log.selection = command.selection;
-  manifest.log.files = log.files();
   manifest.configuration = to_toml(configuration);
-  manifest.counts = mapped.counts;
-  manifest.path_length = mapped.path_length;
   return manifest;
 }
 
@@ -54,34 +51,39 @@ void report(const RunCommand& command,
   std::printf("  look at     %s\n", (command.session / "map.png").c_str());
 }
 
-}  // namespace
-
-void run(const RunCommand& command) {
-  const Configuration configuration = command.configuration.configuration();
-  require_valid(command.selection);
-  const auto log = read_ahead(
-      select_scans(open_log(command.log, configuration.log, command.format), command.selection));
-  if (!command.quiet) {
-    for (const std::string& note : log->info().notes) std::printf("note: %s\n", note.c_str());
+/// Replacing a session must not take the log with it.
+void require_apart(const std::filesystem::path& log, const std::filesystem::path& session) {
+  std::error_code unresolved;
+  const auto whole_log = std::filesystem::weakly_canonical(log, unresolved);
+  const auto whole_session = std::filesystem::weakly_canonical(session, unresolved);
+  for (auto folder = whole_log; folder.has_relative_path(); folder = folder.parent_path()) {
+    if (folder != whole_session) continue;
+    throw usage_error(session.string() + ": holds the log " + log.string() +
+                      "; give another place for the session with -o");
   }
-  ThreadPool pool(command.threads);
-  Mapper mapper(configuration.odometry, configuration.local_maps, pool);
-  SessionWriter session(command.session, command.overwrite);
+}
+
+void write_session(const RunCommand& command,
+                   const Configuration& configuration,
+                   ScanLog& log,
+                   SessionWriter& session) {
+  SessionManifest manifest = manifest_of(command, configuration, log.info());
+  session.describe(manifest);
   std::optional<PackWriter> pack;
   if (command.pack) pack.emplace(session.partial_path() / pack_file_name);
-
-  session.describe(manifest_of(command, configuration, *log, {}));
+  ThreadPool pool(command.threads);
+  Mapper mapper(configuration.odometry, configuration.local_maps, pool);
   MappedLog mapped;
   double seconds = 0.0;
   {
     ProgressLine line(!command.quiet);
-    mapped = map_log(
-        *log, mapper, session, pack ? &*pack : nullptr, [&line](const RunProgress& progress) {
-          line.show(progress);
-        });
+    const auto show = [&line](const RunProgress& progress) { line.show(progress); };
+    mapped = map_log(log, mapper, session, pack ? &*pack : nullptr, show);
     seconds = line.seconds();
   }
-  SessionManifest manifest = manifest_of(command, configuration, *log, mapped);
+  manifest.log.files = log.files();
+  manifest.counts = mapped.counts;
+  manifest.path_length = mapped.path_length;
   if (pack) {
     pack->finish();
     manifest.pack = PackSummary{pack->bytes(), pack->points(), pack_resolution};
@@ -89,6 +91,27 @@ void run(const RunCommand& command) {
   write_png(draw_map_from_above(session.partial_path()), session.partial_path() / "map.png");
   session.finish(manifest);
   if (!command.quiet) report(command, manifest, mapped, seconds);
+}
+
+}  // namespace
+
+void run(const RunCommand& command) {
+  const Configuration configuration = command.configuration.configuration();
+  require_valid(command.selection);
+  require_apart(command.log, command.session);
+  const auto log = read_ahead(
+      select_scans(open_log(command.log, configuration.log, command.format), command.selection));
+  if (!command.quiet) {
+    for (const std::string& note : log->info().notes) std::printf("note: %s\n", note.c_str());
+  }
+  SessionWriter session(command.session, command.overwrite);
+  try {
+    write_session(command, configuration, *log, session);
+  } catch (const Error& error) {
+    throw Error(error.fault(),
+                std::string(error.what()) + "\n  what was written so far is in " +
+                    session.partial_path().string());
+  }
 }
 
 }  // namespace kissmap

@@ -17,6 +17,9 @@ constexpr std::size_t block_size = 512;  // points; all columns of a block stay 
 /// A smaller scan does not settle in which unit a log writes time: its span may be tiny.
 constexpr std::size_t min_points_to_settle = 100;
 
+// Sweeps last 0.02 to 2 s; a part of one may be shorter.
+constexpr float shortest_sweep = 0.005F;  // s
+
 constexpr const char* intensity_names[] = {
     "intensity", "i", "intensities", "reflectance", "reflectivity", "remission"};
 
@@ -207,6 +210,11 @@ void ScanDecoder::apply_times(const RecordField& field, const RawTimes& times, S
   time_note_ = "times of points: field " + field.name + ", " + describe(*reading);
   if (sweep->from_first_point) {
     time_note_ += ", on another clock than the stamps; the first point is taken to be at the stamp";
+  }
+  const auto [first, last] = std::ranges::minmax(sweep->offsets);
+  if (last - first < shortest_sweep) {
+    time_note_ +=
+        "; they span only " + std::to_string(1e3F * (last - first)) + " ms: is --time-unit right?";
   }
   scan.time_offsets = sweep->offsets;
   scan.time_source = TimeSource::recorded;

@@ -18,7 +18,8 @@ namespace {
 class OpenFile {
  public:
   explicit OpenFile(const std::filesystem::path& path)
-      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+      :  // Without O_NONBLOCK a named pipe would keep us waiting for a writer.
+        descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (descriptor_ < 0) fail("cannot be opened");
   }
   ~OpenFile() { ::close(descriptor_); }
@@ -68,6 +69,7 @@ void read_file(const std::filesystem::path& path, std::vector<std::byte>& buffer
 
 std::vector<std::byte> first_bytes(const std::filesystem::path& path, std::size_t count) noexcept {
   try {
+    if (!std::filesystem::is_regular_file(path)) return {};
     std::vector<std::byte> bytes(count);
     std::ifstream file(path, std::ios::binary);
     file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));

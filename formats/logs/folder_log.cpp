@@ -72,8 +72,8 @@ std::vector<ScanFile> list_files(const std::filesystem::path& folder,
   try {
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       const std::string name = entry.path().filename().string();
-      if (name.starts_with('.') || !accept(entry.path()) || entry.is_directory()) continue;
-      std::error_code no_size;
+      std::error_code no_size;  // a link to nowhere stays in the list, to be refused by name
+      if (name.starts_with('.') || !accept(entry.path()) || entry.is_directory(no_size)) continue;
       const auto size = entry.file_size(no_size);
       files.push_back({entry.path(), prefix + name, no_size ? 0 : size, std::nullopt});
     }

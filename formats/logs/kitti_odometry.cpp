@@ -121,6 +121,7 @@ bool probe_kitti_odometry(const fs::path& path) {
 
 std::unique_ptr<ScanLog> open_kitti_odometry(const fs::path& path, const ReadOptions& options) {
   require_valid(options);
+  require_kitti_columns(options);
   const fs::path sequence = the_sequence(path);
   FolderContent content;
   content.info.format = "kitti";

@@ -112,6 +112,7 @@ bool probe_kitti_raw(const fs::path& path) {
 
 std::unique_ptr<ScanLog> open_kitti_raw(const fs::path& path, const ReadOptions& options) {
   require_valid(options);
+  require_kitti_columns(options);
   const fs::path folder = path / "velodyne_points";
   FolderContent content;
   content.info.format = "kitti-raw";

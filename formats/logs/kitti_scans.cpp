@@ -3,8 +3,17 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
+
+#include "kissmap/error.hpp"
 
 namespace kissmap {
+
+void require_kitti_columns(const ReadOptions& options) {
+  if (options.bin_columns == 0 || options.bin_columns == 4) return;
+  throw usage_error("bin_columns = " + std::to_string(options.bin_columns) +
+                    ": KITTI's .bin files have 4; read others as a folder, with --format folder");
+}
 
 Eigen::Vector3f raised_by_kitti_correction(const Eigen::Vector3f& point) {
   static const double angle = 0.205 * std::numbers::pi / 180.0;

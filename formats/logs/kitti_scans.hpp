@@ -5,8 +5,12 @@
 #include <span>
 
 #include "kissmap/cloud/scan.hpp"
+#include "kissmap/formats/scan_log.hpp"
 
 namespace kissmap {
+
+/// KITTI's rows have four columns. Throws Error(usage) if --bin-columns says otherwise.
+void require_kitti_columns(const ReadOptions& options);
 
 /// Raises the elevation of a return by 0.205 degrees; range and azimuth stay. The vertical angles
 /// in the HDL-64E calibration KITTI was decoded with are too low by that much (found by Deschaud,

@@ -23,9 +23,9 @@ const char* to_string(ScanRefusal refusal) {
     case ScanRefusal::no_points:
       return "no usable point in range";
     case ScanRefusal::stamp_repeated:
-      return "stamp equals that of the scan before";
+      return "stamp equals that of the last scan used";
     case ScanRefusal::stamp_out_of_order:
-      return "stamp earlier than that of the scan before";
+      return "stamp earlier than that of the last scan used";
   }
   return "unknown";
 }

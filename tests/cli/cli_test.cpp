@@ -2,6 +2,7 @@
 // The real binary, as a user calls it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -114,6 +115,8 @@ TEST_F(Cli, UsageErrorsExitWith2AndSayWhatIsWrong) {
       {{"--max-rage", "5"}, {"--max-rage"}},
       {{"--every", "0"}, {"every"}},
       {{"--first", "5", "--last", "2"}, {"first"}},
+      {{"--first", "-1"}, {"--first", "-1"}},
+      {{"--every", "99999999999999999999"}, {"--every"}},
       {{"--format", "tape"}, {"tape", "kitti"}},
       {{"--threads", "-2"}, {"--threads"}},
   };
@@ -264,6 +267,44 @@ TEST_F(Cli, StampsOutOfOrderAreLeftOutAndGapsReported) {
                     HasSubstr("equals"),
                     HasSubstr("earlier"),
                     HasSubstr("a gap of 30.1 s before scan 12")));
+}
+
+TEST_F(Cli, AStampFarAheadCostsOnlyItsOwnScan) {
+  for (const int wrong : {0, 4}) {
+    fs::remove_all(path("log"));
+    write_small_log(path("log"), 12);
+    std::string times;
+    for (int i = 0; i < 12; ++i) {
+      times += std::to_string(i == wrong ? 99999.0 : 100.0 + 0.1 * i) + "\n";
+      fs::rename(path("log") / scan_name(i), path("log") / ("scan" + std::to_string(i) + ".pcd"));
+    }
+    write_text(path("log/times.txt"), times);
+    const ProgramResult result = run(path("log"), {"--overwrite"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, AllOf(HasSubstr("11 used of 12"), HasSubstr("later than")));
+  }
+}
+
+TEST_F(Cli, NeverReplacesTheLogItReads) {
+  const std::string log = small_log(4);
+  ASSERT_EQ(run(log, {"--pack"}).exit_code, 0);
+  const auto before = content_of(path("session"));
+  for (const std::string own : {"session", "session/", "session/packed_log.kmpack"}) {
+    const ProgramResult result = run(path(own), {"--overwrite"});
+    EXPECT_EQ(result.exit_code, 2) << own;
+    EXPECT_THAT(result.err, HasSubstr("holds the log"));
+  }
+  EXPECT_EQ(content_of(path("session")), before);
+}
+
+TEST_F(Cli, NamedPipesAreNoLogs) {
+  const std::string log = small_log(4);
+  ASSERT_EQ(::mkfifo((path("log") / scan_name(9)).c_str(), 0600), 0);
+  const ProgramResult result = run(log);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("4 used of 5"), HasSubstr("is not a file")));
+  ASSERT_EQ(::mkfifo(path("pipe.ply").c_str(), 0600), 0);
+  EXPECT_EQ(kissmap({"info", path("pipe.ply")}).exit_code, 3);
 }
 
 TEST_F(Cli, InfoTellsWhatIsInALogAndASession) {

@@ -25,8 +25,8 @@ void require_valid(const LocalMapOptions& options);
 /// Why the mapper could not use a scan. The log goes on without it.
 enum class ScanRefusal {
   no_points,          ///< none finite and in range
-  stamp_repeated,     ///< same stamp as the scan before
-  stamp_out_of_order  ///< earlier than the scan before
+  stamp_repeated,     ///< same stamp as the last scan used
+  stamp_out_of_order  ///< earlier than the last scan used
 };
 /// Short text for reports, the same for the same cause.
 const char* to_string(ScanRefusal refusal);
