@@ -140,7 +140,9 @@ TEST(Hostile, HeaderNumbersMayBeAnything) {
     const std::size_t header =
         name.ends_with(".pcd") ? content.find("DATA ") : content.find("end_header");
     for (std::size_t begin = 0; begin < header; ++begin) {
-      const auto digit = [&](std::size_t i) { return content[i] >= '0' && content[i] <= '9'; };
+      const auto digit = [&text = content](std::size_t i) {
+        return text[i] >= '0' && text[i] <= '9';
+      };
       if (!digit(begin) || (begin > 0 && digit(begin - 1))) continue;
       std::size_t end = begin;
       while (digit(end)) ++end;
