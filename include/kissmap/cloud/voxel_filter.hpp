@@ -30,13 +30,9 @@ class VoxelFilter {
     std::uint32_t point_idx = 0;
   };
 
-  void insert(const Entry& entry);
-  void grow();
+  void insert(const Entry& entry, std::size_t hash);
 
   std::vector<Entry> table_;  ///< open addressing, linear probing, at most half full
-  std::vector<Entry> old_table_;
-  std::size_t used_ = 0;
-  unsigned bits_ = 0;
 };
 
 }  // namespace kissmap
