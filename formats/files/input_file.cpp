@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "formats/clouds/refusal.hpp"
+#include "kissmap/error.hpp"
 
 namespace kissmap {
 namespace {
@@ -65,6 +66,16 @@ void read_file(const std::filesystem::path& path, std::vector<std::byte>& buffer
   }
   buffer.resize(static_cast<std::size_t>(size));
   buffer.resize(file.read(buffer));
+}
+
+std::vector<std::byte> read_side_file(const std::filesystem::path& path) {
+  std::vector<std::byte> bytes;
+  try {
+    read_file(path, bytes);
+  } catch (const Refusal& refusal) {
+    throw input_error(path, refusal.what());
+  }
+  return bytes;
 }
 
 std::vector<std::byte> first_bytes(const std::filesystem::path& path, std::size_t count) noexcept {

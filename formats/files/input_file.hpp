@@ -15,6 +15,9 @@ inline constexpr std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
 /// file is larger than max_file_bytes.
 void read_file(const std::filesystem::path& path, std::vector<std::byte>& buffer);
 
+/// The content of a file that a log cannot do without. Throws Error, which names the file.
+std::vector<std::byte> read_side_file(const std::filesystem::path& path);
+
 /// Up to `count` bytes from the front of a file; fewer or none if it cannot be read. Never throws.
 std::vector<std::byte> first_bytes(const std::filesystem::path& path, std::size_t count) noexcept;
 

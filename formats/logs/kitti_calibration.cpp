@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "formats/clouds/refusal.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/text/lines.hpp"
 #include "kissmap/error.hpp"
@@ -24,20 +23,10 @@ double number(std::string_view word, const std::filesystem::path& path, std::siz
   return value;
 }
 
-std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
-  std::vector<std::byte> bytes;
-  try {
-    read_file(path, bytes);
-  } catch (const Refusal& refusal) {
-    throw input_error(path, refusal.what());
-  }
-  return bytes;
-}
-
 }  // namespace
 
 Rigid3 read_kitti_cam0_from_lidar(const std::filesystem::path& calib_txt) {
-  const std::vector<std::byte> bytes = read_bytes(calib_txt);
+  const std::vector<std::byte> bytes = read_side_file(calib_txt);
   Lines lines(text_of(bytes));
   while (auto line = lines.next()) {
     const std::string_view key = next_word(*line);

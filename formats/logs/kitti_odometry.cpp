@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // KITTI odometry and SemanticKITTI: sequences/NN/{velodyne/*.bin, times.txt, calib.txt}.
 #include <algorithm>
+#include <charconv>
+#include <functional>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -58,6 +61,25 @@ fs::path the_sequence(const fs::path& path) {
   throw input_error(path / "sequences", "several sequences:" + names + "; name one of them");
 }
 
+/// The line of times.txt of each scan, which is the number in its name (KITTI counts from 0); so a
+/// sequence may lack scans. Scans numbered otherwise take the lines in order if there are as many.
+std::vector<std::size_t> stamp_lines(const std::vector<ScanFile>& scans, std::size_t stamps) {
+  std::vector<std::size_t> lines;
+  for (const ScanFile& scan : scans) {
+    const std::string stem = scan.path.stem();
+    std::size_t number = stamps;
+    const auto [stop, error] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+    if (error != std::errc() || stop != stem.data() + stem.size() || number >= stamps) break;
+    lines.push_back(number);
+  }
+  const bool rising = std::ranges::adjacent_find(lines, std::greater_equal{}) == lines.end();
+  if (rising && lines.size() == scans.size()) return lines;
+  if (stamps != scans.size()) return {};
+  lines.resize(stamps);
+  std::iota(lines.begin(), lines.end(), std::size_t{0});
+  return lines;
+}
+
 void stamp_scans(const fs::path& sequence, FolderContent& content) {
   if (!fs::exists(sequence / "times.txt")) {
     for (std::size_t i = 0; i < content.scans.size(); ++i) {
@@ -69,14 +91,19 @@ void stamp_scans(const fs::path& sequence, FolderContent& content) {
     return;
   }
   const StampFile stamps = read_number_stamps(sequence / "times.txt", "times.txt");
-  if (stamps.stamps_ns.size() != content.scans.size()) {
+  const std::vector<std::size_t> lines = stamp_lines(content.scans, stamps.stamps_ns.size());
+  if (lines.empty()) {
     throw input_error(sequence / "times.txt",
                       std::to_string(stamps.stamps_ns.size()) + " stamps for " +
                           std::to_string(content.scans.size()) +
-                          " scans in velodyne/; are scans missing?");
+                          " scans in velodyne/, and the names of the scans are not their lines");
   }
   for (std::size_t i = 0; i < content.scans.size(); ++i) {
-    content.scans[i].stamp_ns = stamps.stamps_ns[i];
+    content.scans[i].stamp_ns = stamps.stamps_ns[lines[i]];
+  }
+  const std::size_t missing = stamps.stamps_ns.size() - content.scans.size();
+  if (missing > 0) {
+    content.info.notes.push_back("times.txt has " + std::to_string(missing) + " stamps without a scan");
   }
   content.side_files.push_back(stamps.file);
   content.info.stamp_source = "times.txt";

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <string_view>
 
-#include "formats/clouds/refusal.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/files/xxh3.hpp"
 #include "formats/text/lines.hpp"
@@ -21,20 +20,10 @@ std::optional<std::int64_t> stamp_from_number(std::string_view text) {
   return of_digits ? of_digits : nanoseconds_from_seconds(text);
 }
 
-std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
-  std::vector<std::byte> bytes;
-  try {
-    read_file(path, bytes);
-  } catch (const Refusal& refusal) {
-    throw input_error(path, refusal.what());
-  }
-  return bytes;
-}
-
 StampFile read_stamps(const std::filesystem::path& path,
                       const std::string& name,
                       ParseStamp parse) {
-  const std::vector<std::byte> bytes = read_bytes(path);
+  const std::vector<std::byte> bytes = read_side_file(path);
   StampFile result{{}, {name, bytes.size(), xxh3_hex(bytes)}};
   Lines lines(text_of(bytes));
   while (const auto line = lines.next()) {

@@ -121,9 +121,25 @@ TEST(KittiOdometry, MayBeNamedByItsRootOrItsVelodyneFolder) {
   EXPECT_THAT(error, HasSubstr("several sequences: 04 07"));
 }
 
-TEST(KittiOdometry, RefusesAnotherNumberOfTimesNamingBoth) {
+TEST(KittiOdometry, StampsAScanByTheNumberInItsName) {
   const TempDir dir;
   write_sequence(dir);
+  fs::rename(dir.path() / "sequences/04/velodyne/000001.bin",
+             dir.path() / "sequences/04/velodyne/000002.bin");
+  dir.write("sequences/04/times.txt", "0\n0.1\n0.2\n");
+  const auto log = open_log(dir.path());
+  EXPECT_EQ(scan_of(read_all(*log)[1]).stamp_ns, 200'000'000);
+  EXPECT_THAT(log->info().notes, testing::Contains(HasSubstr("1 stamps without a scan")));
+}
+
+TEST(KittiOdometry, TakesAsManyStampsInOrderWhenNamesAreNoLines) {
+  const TempDir dir;
+  write_sequence(dir);
+  for (const char* name : {"000000.bin", "000001.bin"}) {
+    fs::rename(dir.path() / "sequences/04/velodyne" / name,
+               dir.path() / "sequences/04/velodyne" / ("cut_" + std::string(name)));
+  }
+  EXPECT_EQ(scan_of(read_all(*open_log(dir.path()))[1]).stamp_ns, 103'622'400);
   dir.write("sequences/04/times.txt", "0\n0.1\n0.2\n");
   const std::string error = error_of(Fault::input, [&] { open_log(dir.path()); });
   EXPECT_THAT(error, HasSubstr("times.txt: 3 stamps for 2 scans"));
