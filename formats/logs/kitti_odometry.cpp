@@ -103,7 +103,8 @@ void stamp_scans(const fs::path& sequence, FolderContent& content) {
   }
   const std::size_t missing = stamps.stamps_ns.size() - content.scans.size();
   if (missing > 0) {
-    content.info.notes.push_back("times.txt has " + std::to_string(missing) + " stamps without a scan");
+    content.info.notes.push_back("times.txt has " + std::to_string(missing) +
+                                 " stamps without a scan");
   }
   content.side_files.push_back(stamps.file);
   content.info.stamp_source = "times.txt";
