@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/mapping/mapper.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -30,14 +31,35 @@ const char* to_string(ScanRefusal refusal) {
   return "unknown";
 }
 
+namespace {
+
+constexpr double path_step = 0.5;           // m
+constexpr double shortest_local_map = 10.0;  // m
+
+double mean_range(const RegisteredScan& registered) {
+  const Eigen::Vector3f origin = registered.frame_from_lidar.translation.cast<float>();
+  double sum = 0.0;
+  for (const Eigen::Vector3f& point : registered.map_points) {
+    sum += static_cast<double>((point - origin).norm());
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(1, registered.map_points.size()));
+}
+
+}  // namespace
+
 Mapper::Mapper(const OdometryOptions& odometry,
                const LocalMapOptions& local_maps,
                ThreadPool& pool,
                SplittingRule splitting_rule)
     : odometry_(odometry, pool),
       splitting_rule_(std::move(splitting_rule)),
-      grid_((require_valid(local_maps), local_maps.voxel_size), local_maps.max_points_per_voxel) {
-  if (!splitting_rule_) splitting_rule_ = split_by_displacement(local_maps.splitting_distance);
+      grid_((require_valid(local_maps), local_maps.voxel_size), local_maps.max_points_per_voxel),
+      frame_reach_(local_maps.splitting_distance) {
+  if (!splitting_rule_) {
+    splitting_rule_ =
+        split_by_range(std::min(shortest_local_map, local_maps.splitting_distance),
+                       local_maps.splitting_distance);
+  }
 }
 
 MapperStep Mapper::add(const Scan& scan) {
@@ -45,8 +67,8 @@ MapperStep Mapper::add(const Scan& scan) {
   const std::optional<RegisteredScan> registered = odometry_.register_scan(scan);
   if (!registered) return {ScanRefusal::no_points, std::nullopt};
   last_stamp_ = scan.stamp_ns;
-  grid_.add(registered->map_points);
   MapperStep step{place(scan, *registered), std::nullopt};
+  fill_grid(registered->map_points);
   if (splitting_rule_(progress_)) step.closed = close(LocalMapEnd::split);
   return step;
 }
@@ -62,6 +84,18 @@ std::optional<ScanRefusal> Mapper::check_stamp(const Scan& scan) const {
                                        : ScanRefusal::stamp_out_of_order;
 }
 
+void Mapper::fill_grid(std::span<const Eigen::Vector3f> points_in_frame) {
+  const Rigid3 local_map_from_frame = frame_from_local_map_.inverse();
+  const Eigen::Matrix3f rotation =
+      local_map_from_frame.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = local_map_from_frame.translation.cast<float>();
+  grid_points_.clear();
+  for (const Eigen::Vector3f& point : points_in_frame) {
+    grid_points_.emplace_back(rotation * point + translation);
+  }
+  grid_.add(grid_points_);
+}
+
 MappedScan Mapper::place(const Scan& scan, const RegisteredScan& registered) {
   MappedScan mapped;
   mapped.stamp_ns = scan.stamp_ns;
@@ -71,8 +105,9 @@ MappedScan Mapper::place(const Scan& scan, const RegisteredScan& registered) {
     mapped.pose_stamp_ns += static_cast<std::int64_t>(std::llround(offset * 1e9));
   }
   mapped.local_map_id = local_map_id_;
-  mapped.local_map_from_lidar = registered.frame_from_lidar;
-  mapped.map_from_lidar = map_from_local_map_ * registered.frame_from_lidar;
+  const Rigid3 local_map_from_lidar = frame_from_local_map_.inverse() * registered.frame_from_lidar;
+  mapped.local_map_from_lidar = local_map_from_lidar;
+  mapped.map_from_lidar = map_from_local_map_ * local_map_from_lidar;
   mapped.deskewed = registered.deskewed;
   mapped.sweep_start_from_sweep_end = registered.sweep_start_from_sweep_end;
   mapped.points_read = scan.points.size();
@@ -82,12 +117,19 @@ MappedScan Mapper::place(const Scan& scan, const RegisteredScan& registered) {
   const bool first = local_map_id_ == 0 && progress_.scan_count == 0;
   mapped.converged = first || registered.end == Alignment::End::converged;
 
-  const Rigid3& local_map_from_lidar = registered.frame_from_lidar;
-  progress_.path_length +=
-      (local_map_from_last_.inverse() * local_map_from_lidar).translation.norm();
+  path_length_ += (local_map_from_lidar.translation - local_map_from_last_.translation).norm();
+  const double step = (local_map_from_lidar.translation - last_corner_).norm();
+  if (step > path_step) {
+    progress_.path_length += step;
+    last_corner_ = local_map_from_lidar.translation;
+  }
   progress_.displacement = local_map_from_lidar.translation.norm();
   ++progress_.scan_count;
+  const double range = mean_range(registered);
+  progress_.mean_range +=
+      (range - progress_.mean_range) / static_cast<double>(progress_.scan_count);
   local_map_from_last_ = local_map_from_lidar;
+  frame_from_last_ = registered.frame_from_lidar;
   return mapped;
 }
 
@@ -96,19 +138,31 @@ LocalMap Mapper::close(LocalMapEnd end) {
   local_map.id = local_map_id_;
   local_map.map_from_local_map = map_from_local_map_;
   local_map.surfels = surfels_from_grid(grid_);
+  local_map.points = grid_.points();
   local_map.scan_count = progress_.scan_count;
-  local_map.path_length = progress_.path_length;
+  local_map.path_length = path_length_;
   local_map.displacement = progress_.displacement;
   local_map.end = end;
 
-  // The next keypose is the last scan's pose; odometry and grid go on from the odometry's map.
+  // The next keypose is the last scan's pose. The grid starts empty: a local map shows what was
+  // seen while it was open, so that two of them are independent witnesses of a place. (The
+  // published grid starts from the odometry's map. Indoors that holds the whole building, and every
+  // local map would match the one before by its own copies.)
   map_from_local_map_ = map_from_local_map_ * local_map_from_last_;
   local_map_from_last_ = Rigid3{};
   progress_ = {};
+  path_length_ = 0.0;
+  last_corner_.setZero();
   ++local_map_id_;
-  odometry_.restart_frame();
   grid_.clear();
-  grid_.add(odometry_.map().points());
+  // Odometry keeps its frame for as long as it is near: putting its map into other voxels costs
+  // points, and where local maps are split should not change the trajectory.
+  frame_from_local_map_ = frame_from_last_;
+  if (frame_from_last_.translation.norm() > frame_reach_) {
+    odometry_.restart_frame();
+    frame_from_local_map_ = Rigid3{};
+    frame_from_last_ = Rigid3{};
+  }
   return local_map;
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "kissmap/cloud/scan.hpp"
 #include "kissmap/mapping/local_map.hpp"
@@ -17,7 +19,7 @@ namespace kissmap {
 struct LocalMapOptions {
   double voxel_size = 0.5;            ///< m, of a local map's grid
   int max_points_per_voxel = 20;      ///< of a local map's grid
-  double splitting_distance = 100.0;  ///< m from the keypose at which a local map is closed
+  double splitting_distance = 100.0;  ///< m from the keypose at which a local map is closed at most
 };
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const LocalMapOptions& options);
@@ -42,7 +44,7 @@ struct MapperStep {
 /// Same result for any number of threads of the pool. Not thread safe.
 class Mapper {
  public:
-  /// The splitting rule defaults to split_by_displacement(local_maps.splitting_distance).
+  /// The splitting rule defaults to split_by_range() from 10 m to local_maps.splitting_distance.
   Mapper(const OdometryOptions& odometry,
          const LocalMapOptions& local_maps,
          ThreadPool& pool,
@@ -59,14 +61,21 @@ class Mapper {
  private:
   std::optional<ScanRefusal> check_stamp(const Scan& scan) const;
   MappedScan place(const Scan& scan, const RegisteredScan& registered);
+  void fill_grid(std::span<const Eigen::Vector3f> points_in_frame);
   LocalMap close(LocalMapEnd end);
 
   Odometry odometry_;
   SplittingRule splitting_rule_;
-  VoxelHashMap grid_;  ///< of the open local map
+  VoxelHashMap grid_;  ///< of the open local map, in its frame
+  double frame_reach_;  ///< m; a local map closed farther away makes odometry restart its frame
+  std::vector<Eigen::Vector3f> grid_points_;
+  Rigid3 frame_from_local_map_;  ///< frame: that of the odometry
+  Rigid3 frame_from_last_;
   std::uint32_t local_map_id_ = 0;
   Rigid3 map_from_local_map_;
   LocalMapProgress progress_;
+  double path_length_ = 0.0;                               ///< m, of the open local map
+  Eigen::Vector3d last_corner_ = Eigen::Vector3d::Zero();  ///< of the path in steps
   Rigid3 local_map_from_last_;
   std::optional<std::int64_t> last_stamp_;
 };

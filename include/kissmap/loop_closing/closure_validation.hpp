@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/loop_closing/surfel_registration.hpp"
+
+namespace kissmap {
+
+/// What a registration must show to be believed.
+struct ClosureValidationOptions {
+  double min_overlap = 0.4;
+  double min_wall_agreement = 0.6;
+  /// Smallest eigenvalue of the translation's information per pair; 1/3 is equal in all directions.
+  double min_observability = 0.01;
+};
+/// Throws Error(usage) naming the field, its value and its range.
+void require_valid(const ClosureValidationOptions& options);
+
+/// Registers the query to the reference from a guess and judges the outcome on geometry alone:
+/// convergence, overlap, agreement of steep surfaces, observability, in this order. Fills all of
+/// the closure but ids, source and inliers. Pure.
+///
+/// Overlap alone is no proof: floors and ceilings share voxels wherever two rooms are laid over
+/// each other. Steep surfaces (walls, poles, trees) do so only at the true place.
+Closure validate_closure(const SurfelCloud& query,
+                         const SurfelReference& reference,
+                         const Rigid3& guess_reference_from_query,
+                         const ClosureValidationOptions& options);
+
+}  // namespace kissmap

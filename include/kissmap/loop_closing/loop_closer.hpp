@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "kissmap/graph/pose_graph.hpp"
+#include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/loop_closing/closure_validation.hpp"
+#include "kissmap/loop_closing/map_outline.hpp"
+#include "kissmap/loop_closing/place_search.hpp"
+#include "kissmap/mapping/local_map.hpp"
+
+namespace kissmap {
+
+struct LoopClosingOptions {
+  bool enabled = true;
+  bool second_look = true;  ///< after the last scan, look along the corrected trajectory
+  PlaceSearchOptions search;
+  ClosureValidationOptions validation;
+};
+/// Throws Error(usage) naming the field, its value and its range.
+void require_valid(const LoopClosingOptions& options);
+
+/// Information of an odometry edge over a path of `length` [m]: a random walk of 3 cm and 3 mrad for
+/// the first metre.
+Information odometry_information(double length);
+
+/// Closes loops between local maps as they come, and keeps the graph of their keyposes
+/// (METHOD section 3). Memory grows with the number of local maps by their features only; surfels
+/// are asked for again when a closure is to be validated. Same result on every run. Not thread
+/// safe.
+class LoopCloser {
+ public:
+  /// Gives back the surfels of a local map that was added before.
+  using SurfelSource = std::function<SurfelCloud(std::uint32_t id)>;
+
+  /// `voxel_size` [m] is that of the local maps' grids.
+  LoopCloser(const LoopClosingOptions& options, double voxel_size, SurfelSource surfels);
+
+  /// Takes local maps in order of their ids from 0, with surfels and points. Looks for closures to
+  /// earlier ones and optimises the graph if one is accepted.
+  void add(const LocalMap& local_map);
+
+  /// Looks again at pairs of local maps that overlap in the corrected trajectory and were not
+  /// matched, until nothing new is found. Call once, last.
+  void look_again();
+
+  /// All candidates that were validated, in the order of their validation.
+  const std::vector<Closure>& closures() const { return closures_; }
+
+  /// Keyposes by id, corrected; the first is the identity.
+  const std::vector<Rigid3>& map_from_local_map() const { return map_from_local_map_; }
+
+  /// Keyposes with an edge for each stretch of odometry and for each closure that geometry bears
+  /// out, those the graph refused included.
+  PoseGraph graph() const;
+
+ private:
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< query, reference
+
+  bool consider(const SurfelCloud& query,
+                Pair ids,
+                const Rigid3& guess_reference_from_query,
+                ClosureSource source,
+                int inliers);
+  bool within_drift(const Closure& closure) const;
+  void optimise();
+  bool look_again_from(std::uint32_t query_id);
+  std::vector<std::uint32_t> overlapping(std::uint32_t query_id) const;
+
+  LoopClosingOptions options_;
+  double voxel_size_;
+  SurfelSource surfels_;
+  PlaceSearch search_;
+  std::vector<Rigid3> map_from_local_map_;
+  std::vector<PoseGraphEdge> odometry_;  ///< from each local map to the next
+  std::vector<double> path_lengths_;     ///< m, of each local map
+  Rigid3 odometry_keypose_;              ///< of the latest local map, as the mapper gave it
+  std::vector<Closure> closures_;
+  std::vector<MapOutline> outlines_;     ///< by id
+  std::map<Pair, Rigid3> tried_;         ///< along the trajectory, with the guess
+};
+
+}  // namespace kissmap

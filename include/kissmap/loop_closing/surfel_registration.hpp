@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "kissmap/cloud/voxel.hpp"
+#include "kissmap/geometry/rigid3.hpp"
+#include "kissmap/mapping/local_map.hpp"
+
+namespace kissmap {
+
+/// Surfels of a local map, hashed for finding the nearest one. One surfel a voxel: the first.
+/// Memory: 16 bytes for each slot of a table at most half full, and a copy of the surfels.
+/// Reading is thread safe.
+class SurfelMap {
+ public:
+  /// `voxel_size` [m] is also the reach of nearest().
+  SurfelMap(const SurfelCloud& surfels, double voxel_size);
+
+  /// Number of the surfel nearest to a point among the 27 voxels around it; negative if there is
+  /// none.
+  std::int32_t nearest(const Eigen::Vector3f& point) const;
+
+  /// True if the voxel of a point holds a surfel.
+  bool occupied(const Eigen::Vector3f& point) const;
+
+  const SurfelCloud& surfels() const { return surfels_; }
+  double voxel_size() const { return voxel_size_; }
+
+ private:
+  struct Slot {
+    VoxelKey key = no_voxel;
+    std::int32_t surfel = -1;
+  };
+  std::int32_t find(VoxelKey key) const;
+
+  SurfelCloud surfels_;
+  double voxel_size_;
+  float per_metre_;
+  unsigned bits_ = 0;
+  std::vector<Slot> table_;
+};
+
+/// How two local maps fit together, see register_surfels().
+struct SurfelAlignment {
+  Rigid3 reference_from_query;
+  bool converged = false;         ///< the last update was below 1 mm and 0.1 mrad
+  int iterations = 0;
+  int pairs = 0;                  ///< in the last iteration, of `samples` surfels of the query
+  int samples = 0;
+  double residual_before = 0.0;   ///< m, RMS distance to planes at the start, of pairs within reach
+  double residual_after = 0.0;    ///< m, the same at the end
+  /// J'J of the last iteration, twist (translation; rotation) of the query in the query's frame.
+  Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// A reference made ready for registrations: at the local maps' voxel size and three times as
+/// coarse.
+class SurfelReference {
+ public:
+  SurfelReference(const SurfelCloud& surfels, double voxel_size);
+  const SurfelMap& fine() const { return fine_; }
+  const SurfelMap& coarse() const { return coarse_; }
+
+ private:
+  SurfelMap fine_;
+  SurfelMap coarse_;
+};
+
+/// Point-to-plane registration of surfels (METHOD section 3.6; Chen and Medioni 1991), coarse to
+/// fine: pairs within 3 voxels, then within sqrt(3) voxels of each other, at most 45 degrees between
+/// their normals, residuals weighted by Geman-McClure. At most 2,500 surfels of the query are used,
+/// evenly picked.
+SurfelAlignment register_surfels(const SurfelCloud& query,
+                                 const SurfelReference& reference,
+                                 const Rigid3& guess_reference_from_query);
+
+/// Szymkiewicz-Simpson coefficient: voxels of the reference that hold a surfel of both maps, over
+/// the number of surfels of the smaller map, 0..1.
+double overlap(const SurfelCloud& query,
+               const SurfelMap& reference,
+               const Rigid3& reference_from_query);
+
+}  // namespace kissmap

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/loop_closing/closure_validation.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "options.hpp"
+
+namespace kissmap {
+namespace {
+
+constexpr float steep = 0.5F;               // |z| of the normal, 60 degrees from the level
+constexpr float agreeing_normals = 0.8F;    // cosine
+constexpr float fitting_share = 0.2F;       // of a voxel, distance to the plane
+// How sure a closure can be at best: surfaces are sampled by voxels, and each local map is bent by
+// the drift between its keypose and the place where the two meet.
+constexpr double best_translation = 0.05;   // m
+constexpr double best_rotation = 0.003;     // rad
+constexpr double bend_translation = 0.004;  // m per m
+constexpr double bend_rotation = 0.001;     // rad per square root of m
+
+/// The query laid over the reference.
+struct Overlay {
+  double overlap = 0.0;
+  double wall_agreement = 0.0;
+  Eigen::Vector3d center_in_query = Eigen::Vector3d::Zero();
+};
+
+Overlay overlay(const SurfelCloud& query,
+                const SurfelMap& reference,
+                const Rigid3& reference_from_query) {
+  const Eigen::Matrix3f rotation = reference_from_query.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = reference_from_query.translation.cast<float>();
+  const float reach = fitting_share * static_cast<float>(reference.voxel_size());
+  std::size_t near = 0;
+  std::size_t fitting = 0;
+  std::size_t shared = 0;
+  Overlay result;
+  for (std::size_t i = 0; i < query.size(); ++i) {
+    const Eigen::Vector3f mean = rotation * query.means[i] + translation;
+    if (reference.occupied(mean)) {
+      ++shared;
+      result.center_in_query += query.means[i].cast<double>();
+    }
+    const Eigen::Vector3f normal = rotation * query.normals[i];
+    if (std::abs(normal.z()) > steep) continue;
+    const std::int32_t nearest = reference.nearest(mean);
+    if (nearest < 0) continue;
+    ++near;
+    const auto match = static_cast<std::size_t>(nearest);
+    const Eigen::Vector3f& plane = reference.surfels().normals[match];
+    const float off = std::abs(plane.dot(mean - reference.surfels().means[match]));
+    if (off < reach && std::abs(plane.dot(normal)) > agreeing_normals) ++fitting;
+  }
+  if (shared > 0) result.center_in_query /= static_cast<double>(shared);
+  if (near > 0) result.wall_agreement = static_cast<double>(fitting) / static_cast<double>(near);
+  result.overlap = overlap(query, reference, reference_from_query);
+  return result;
+}
+
+/// Smallest eigenvalue of the translation's share of the information, for one pair.
+double observability(const SurfelAlignment& alignment) {
+  if (alignment.pairs == 0) return 0.0;
+  const Eigen::Matrix3d translation = alignment.hessian.topLeftCorner<3, 3>();
+  const Eigen::Vector3d values =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(translation).eigenvalues();
+  return values.sum() > 0.0 ? values(0) / values.sum() : 0.0;
+}
+
+/// A rotation about a point away from the origin moves the origin: carries a covariance at
+/// `center` to the origin of the same frame.
+Information information_at_keypose(const Twist& sigmas, const Eigen::Vector3d& center) {
+  // exp(twist at origin): v0 = vc + center x w.
+  Eigen::Matrix<double, 6, 6> carry = Eigen::Matrix<double, 6, 6>::Identity();
+  carry.topRightCorner<3, 3>() << 0, -center.z(), center.y(),  //
+      center.z(), 0, -center.x(),                              //
+      -center.y(), center.x(), 0;
+  const Eigen::Matrix<double, 6, 6> covariance =
+      carry * sigmas.cwiseAbs2().asDiagonal() * carry.transpose();
+  const Eigen::Matrix<double, 6, 6> information = covariance.inverse();
+  return 0.5 * (information + information.transpose());
+}
+
+Information information_of(const Closure& closure) {
+  const double arms = closure.center_in_query.norm() +
+                      (closure.reference_from_query * closure.center_in_query).norm();
+  Twist sigmas;
+  sigmas.head<3>().setConstant(std::hypot(best_translation, bend_translation * arms));
+  sigmas.tail<3>().setConstant(std::hypot(best_rotation, bend_rotation * std::sqrt(arms)));
+  return information_at_keypose(sigmas, closure.center_in_query);
+}
+
+}  // namespace
+
+const char* to_string(ClosureSource source) {
+  return source == ClosureSource::appearance ? "appearance" : "trajectory";
+}
+
+const char* to_string(ClosureVerdict verdict) {
+  switch (verdict) {
+    case ClosureVerdict::accepted:
+      return "accepted";
+    case ClosureVerdict::no_convergence:
+      return "registration did not converge";
+    case ClosureVerdict::low_overlap:
+      return "overlap too low";
+    case ClosureVerdict::walls_disagree:
+      return "steep surfaces disagree";
+    case ClosureVerdict::unobservable:
+      return "a direction is left open";
+    case ClosureVerdict::beyond_drift:
+      return "further off than odometry drifts";
+    case ClosureVerdict::refused_by_graph:
+      return "contradicts other closures";
+  }
+  return "unknown";
+}
+
+void require_valid(const ClosureValidationOptions& options) {
+  require_between("min_overlap", options.min_overlap, 0.0, 1.0);
+  require_between("min_wall_agreement", options.min_wall_agreement, 0.0, 1.0);
+  require_between("min_observability", options.min_observability, 0.0, 0.33);
+}
+
+Closure validate_closure(const SurfelCloud& query,
+                         const SurfelReference& reference,
+                         const Rigid3& guess_reference_from_query,
+                         const ClosureValidationOptions& options) {
+  const SurfelAlignment alignment = register_surfels(query, reference, guess_reference_from_query);
+  Closure closure;
+  closure.iterations = alignment.iterations;
+  closure.residual_before = alignment.residual_before;
+  closure.residual_after = alignment.residual_after;
+  closure.reference_from_query = alignment.reference_from_query;
+  if (!alignment.converged) {
+    closure.verdict = ClosureVerdict::no_convergence;
+    return closure;
+  }
+  const Overlay laid = overlay(query, reference.fine(), alignment.reference_from_query);
+  closure.overlap = laid.overlap;
+  closure.wall_agreement = laid.wall_agreement;
+  closure.center_in_query = laid.center_in_query;
+  closure.information = information_of(closure);
+  if (closure.overlap < options.min_overlap) {
+    closure.verdict = ClosureVerdict::low_overlap;
+  } else if (closure.wall_agreement < options.min_wall_agreement) {
+    closure.verdict = ClosureVerdict::walls_disagree;
+  } else if (observability(alignment) < options.min_observability) {
+    closure.verdict = ClosureVerdict::unobservable;
+  }
+  return closure;
+}
+
+}  // namespace kissmap

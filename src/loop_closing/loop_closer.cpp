@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/loop_closing/loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "drift.hpp"
+
+namespace kissmap {
+namespace {
+
+constexpr double outline_voxels = 6.0;         // outline voxel over local map voxel
+constexpr double min_outline_overlap = 0.3;
+constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
+constexpr int max_rounds = 5;
+constexpr double new_guess = 1.0;               // m; a guess this far from one tried is another
+
+bool was_measured(const Closure& closure) {
+  return closure.verdict == ClosureVerdict::accepted ||
+         closure.verdict == ClosureVerdict::refused_by_graph;
+}
+
+PoseGraphEdge edge_of(const Closure& closure) {
+  return {closure.reference_id,
+          closure.query_id,
+          closure.reference_from_query,
+          closure.information,
+          EdgeKind::closure};
+}
+
+}  // namespace
+
+void require_valid(const LoopClosingOptions& options) {
+  require_valid(options.search);
+  require_valid(options.validation);
+}
+
+LoopCloser::LoopCloser(const LoopClosingOptions& options, double voxel_size, SurfelSource surfels)
+    : options_((require_valid(options), options)),
+      voxel_size_(voxel_size),
+      surfels_(std::move(surfels)),
+      search_(options.search) {
+}
+
+void LoopCloser::add(const LocalMap& local_map) {
+  if (local_map.id == 0) {
+    map_from_local_map_.push_back(local_map.map_from_local_map);
+  } else {
+    const Rigid3 last_from_this = odometry_keypose_.inverse() * local_map.map_from_local_map;
+    odometry_.push_back({local_map.id - 1,
+                         local_map.id,
+                         last_from_this,
+                         odometry_information(path_lengths_.back()),
+                         EdgeKind::odometry});
+    map_from_local_map_.push_back(map_from_local_map_.back() * last_from_this);
+  }
+  odometry_keypose_ = local_map.map_from_local_map;
+  path_lengths_.push_back(local_map.path_length);
+  if (!options_.enabled) return;
+  outlines_.emplace_back(local_map.surfels, outline_voxels * voxel_size_);
+  bool found = false;
+  for (const PlaceCandidate& candidate : search_.add(local_map.id, local_map.points)) {
+    found |= consider(local_map.surfels,
+                      {local_map.id, candidate.id},
+                      candidate.reference_from_query,
+                      ClosureSource::appearance,
+                      candidate.inliers);
+  }
+  if (found) optimise();
+}
+
+bool LoopCloser::consider(const SurfelCloud& query,
+                          Pair ids,
+                          const Rigid3& guess_reference_from_query,
+                          ClosureSource source,
+                          int inliers) {
+  const bool known = std::ranges::any_of(closures_, [ids](const Closure& closure) {
+    return was_measured(closure) && Pair{closure.query_id, closure.reference_id} == ids;
+  });
+  if (known) return false;
+  const SurfelReference reference(surfels_(ids.second), voxel_size_);
+  Closure closure =
+      validate_closure(query, reference, guess_reference_from_query, options_.validation);
+  closure.query_id = ids.first;
+  closure.reference_id = ids.second;
+  closure.source = source;
+  closure.inliers = inliers;
+  if (closure.verdict == ClosureVerdict::accepted && !within_drift(closure)) {
+    closure.verdict = ClosureVerdict::beyond_drift;
+  }
+  closures_.push_back(closure);
+  return closure.verdict == ClosureVerdict::accepted;
+}
+
+bool LoopCloser::within_drift(const Closure& closure) const {
+  const Rigid3 expected = map_from_local_map_[closure.reference_id].inverse() *
+                          map_from_local_map_[closure.query_id];
+  const Rigid3 off = expected.inverse() * closure.reference_from_query;
+  const double length =
+      drift_length(graph(), path_lengths_, closure.reference_id, closure.query_id);
+  return off.translation.norm() <= max_drift_translation(length) &&
+         off.angle() <= max_drift_rotation(length);
+}
+
+PoseGraph LoopCloser::graph() const {
+  PoseGraph graph;
+  graph.map_from_node = map_from_local_map_;
+  graph.edges = odometry_;
+  for (const Closure& closure : closures_) {
+    if (was_measured(closure)) graph.edges.push_back(edge_of(closure));
+  }
+  return graph;
+}
+
+void LoopCloser::optimise() {
+  const PoseGraphSolution solution = optimize(graph(), {});
+  map_from_local_map_ = solution.map_from_node;
+  std::size_t edge = odometry_.size();
+  for (Closure& closure : closures_) {
+    if (!was_measured(closure)) continue;
+    closure.verdict = solution.edge_weights[edge++] > 0.5 ? ClosureVerdict::accepted
+                                                          : ClosureVerdict::refused_by_graph;
+  }
+}
+
+void LoopCloser::look_again() {
+  if (!options_.enabled || !options_.second_look) return;
+  for (int round = 0; round < max_rounds; ++round) {
+    bool found = false;
+    for (std::uint32_t id = 0; id < map_from_local_map_.size(); ++id) found |= look_again_from(id);
+    if (!found) return;
+    optimise();
+  }
+}
+
+bool LoopCloser::look_again_from(std::uint32_t query_id) {
+  bool found = false;
+  SurfelCloud query;
+  for (const std::uint32_t reference_id : overlapping(query_id)) {
+    const Rigid3 guess =
+        map_from_local_map_[reference_id].inverse() * map_from_local_map_[query_id];
+    const auto [tried, first] = tried_.try_emplace({query_id, reference_id}, guess);
+    if (!first) {
+      if ((tried->second.inverse() * guess).translation.norm() < new_guess) continue;
+      tried->second = guess;
+    }
+    if (query.size() == 0) query = surfels_(query_id);
+    found |= consider(query, {query_id, reference_id}, guess, ClosureSource::trajectory, 0);
+  }
+  return found;
+}
+
+std::vector<std::uint32_t> LoopCloser::overlapping(std::uint32_t query_id) const {
+  std::vector<std::pair<double, std::uint32_t>> overlaps;
+  const auto skipped = static_cast<std::uint32_t>(options_.search.skipped_latest);
+  for (std::uint32_t id = 0; id + skipped < query_id; ++id) {
+    const Rigid3 id_from_query = map_from_local_map_[id].inverse() * map_from_local_map_[query_id];
+    const double overlap = outlines_[query_id].overlap(outlines_[id], id_from_query);
+    if (overlap >= min_outline_overlap) overlaps.emplace_back(-overlap, id);
+  }
+  std::ranges::sort(overlaps);
+  if (overlaps.size() > looks_per_local_map) overlaps.resize(looks_per_local_map);
+  std::vector<std::uint32_t> ids;
+  for (const auto& [overlap, id] : overlaps) ids.push_back(id);
+  return ids;
+}
+
+}  // namespace kissmap

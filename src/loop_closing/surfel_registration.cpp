@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/loop_closing/surfel_registration.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <unordered_set>
+
+namespace kissmap {
+namespace {
+
+constexpr std::size_t max_samples = 2500;
+constexpr int max_iterations_coarse = 20;
+constexpr int max_iterations_fine = 40;
+constexpr double min_translation = 1e-3;    // m, convergence
+constexpr double min_rotation = 1e-4;       // rad
+constexpr float min_normal_agreement = 0.7F;
+constexpr double coarseness = 3.0;          // coarse voxel over fine voxel
+constexpr double residual_scale = 0.3;      // of a voxel, of the kernel
+constexpr int min_pairs = 20;
+
+struct Sums {
+  Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
+  Twist gradient = Twist::Zero();
+  double squares = 0.0;  // unweighted, of pairs within the kernel's reach
+  int pairs = 0;
+};
+
+/// A share of the surfels, evenly picked.
+SurfelCloud sample(const SurfelCloud& surfels) {
+  if (surfels.size() <= max_samples) return surfels;
+  SurfelCloud samples;
+  for (std::size_t i = 0; i < max_samples; ++i) {
+    const std::size_t at = i * surfels.size() / max_samples;
+    samples.means.push_back(surfels.means[at]);
+    samples.normals.push_back(surfels.normals[at]);
+  }
+  return samples;
+}
+
+Sums accumulate(const SurfelCloud& samples,
+                const SurfelMap& reference,
+                const Rigid3& reference_from_query,
+                double reach) {
+  const Eigen::Matrix3d rotation = reference_from_query.rotation.toRotationMatrix();
+  const double scale = residual_scale * reference.voxel_size();
+  Sums sums;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector3d point = samples.means[i].cast<double>();
+    const Eigen::Vector3d moved = rotation * point + reference_from_query.translation;
+    const std::int32_t nearest = reference.nearest(moved.cast<float>());
+    if (nearest < 0) continue;
+    const auto match = static_cast<std::size_t>(nearest);
+    const Eigen::Vector3d apart = moved - reference.surfels().means[match].cast<double>();
+    if (apart.squaredNorm() > reach * reach) continue;
+    const Eigen::Vector3d normal = reference.surfels().normals[match].cast<double>();
+    const Eigen::Vector3d own_normal = rotation * samples.normals[i].cast<double>();
+    if (std::abs(normal.dot(own_normal)) < static_cast<double>(min_normal_agreement)) continue;
+    const double residual = normal.dot(apart);
+    const double weight = scale * scale / ((scale + residual * residual / scale) *
+                                           (scale + residual * residual / scale));
+    // reference_from_query * exp(twist): the derivative of n' (R (p + v + w x p) + t).
+    const Eigen::Vector3d turned = rotation.transpose() * normal;
+    Twist jacobian;
+    jacobian << turned, point.cross(turned);
+    sums.hessian += weight * jacobian * jacobian.transpose();
+    sums.gradient += weight * residual * jacobian;
+    sums.squares += residual * residual;
+    ++sums.pairs;
+  }
+  return sums;
+}
+
+double rms(const Sums& sums) {
+  return sums.pairs > 0 ? std::sqrt(sums.squares / sums.pairs) : 0.0;
+}
+
+/// Iterates `alignment` at one resolution.
+void refine(const SurfelCloud& samples,
+            const SurfelMap& reference,
+            double reach,
+            int max_iterations,
+            SurfelAlignment& alignment) {
+  alignment.converged = false;
+  for (int i = 0; i < max_iterations; ++i) {
+    const Sums sums = accumulate(samples, reference, alignment.reference_from_query, reach);
+    alignment.pairs = sums.pairs;
+    alignment.residual_after = rms(sums);
+    alignment.hessian = sums.hessian;
+    if (alignment.iterations == 0) alignment.residual_before = alignment.residual_after;
+    if (sums.pairs < min_pairs) return;
+    ++alignment.iterations;
+    Eigen::Matrix<double, 6, 6> damped = sums.hessian;
+    damped.diagonal() *= 1.0 + 1e-6;
+    const Twist step = damped.ldlt().solve(-sums.gradient);
+    if (!step.allFinite()) return;
+    alignment.reference_from_query = alignment.reference_from_query * exp(step);
+    if (step.head<3>().norm() < min_translation && step.tail<3>().norm() < min_rotation) {
+      alignment.converged = true;
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+SurfelMap::SurfelMap(const SurfelCloud& surfels, double voxel_size)
+    : voxel_size_(voxel_size), per_metre_(static_cast<float>(1.0 / voxel_size)) {
+  bits_ = static_cast<unsigned>(std::bit_width(2 * surfels.size() + 2));
+  table_.resize(std::size_t{1} << bits_);
+  const std::size_t mask = table_.size() - 1;
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const VoxelKey key = voxel_key(voxel_of(surfels.means[i], per_metre_));
+    std::size_t slot = voxel_hash(key, bits_);
+    while (table_[slot].key != no_voxel && table_[slot].key != key) slot = (slot + 1) & mask;
+    if (table_[slot].key == key) continue;
+    table_[slot] = {key, static_cast<std::int32_t>(surfels_.size())};
+    surfels_.means.push_back(surfels.means[i]);
+    surfels_.normals.push_back(surfels.normals[i]);
+  }
+}
+
+std::int32_t SurfelMap::find(VoxelKey key) const {
+  const std::size_t mask = table_.size() - 1;
+  for (std::size_t slot = voxel_hash(key, bits_);; slot = (slot + 1) & mask) {
+    if (table_[slot].key == key) return table_[slot].surfel;
+    if (table_[slot].key == no_voxel) return -1;
+  }
+}
+
+std::int32_t SurfelMap::nearest(const Eigen::Vector3f& point) const {
+  const Voxel center = voxel_of(point, per_metre_);
+  std::int32_t best = -1;
+  float best_squared = std::numeric_limits<float>::infinity();
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const std::int32_t found = find(voxel_key({center.x + x, center.y + y, center.z + z}));
+        if (found < 0) continue;
+        const float squared =
+            (surfels_.means[static_cast<std::size_t>(found)] - point).squaredNorm();
+        if (squared < best_squared) {
+          best_squared = squared;
+          best = found;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+bool SurfelMap::occupied(const Eigen::Vector3f& point) const {
+  return find(voxel_key(voxel_of(point, per_metre_))) >= 0;
+}
+
+SurfelReference::SurfelReference(const SurfelCloud& surfels, double voxel_size)
+    : fine_(surfels, voxel_size), coarse_(surfels, coarseness * voxel_size) {
+}
+
+SurfelAlignment register_surfels(const SurfelCloud& query,
+                                 const SurfelReference& reference,
+                                 const Rigid3& guess_reference_from_query) {
+  SurfelAlignment alignment;
+  alignment.reference_from_query = guess_reference_from_query;
+  const SurfelCloud samples = sample(query);
+  alignment.samples = static_cast<int>(samples.size());
+  const double voxel = reference.fine().voxel_size();
+  refine(samples, reference.coarse(), coarseness * voxel, max_iterations_coarse, alignment);
+  refine(samples, reference.fine(), std::numbers::sqrt3 * voxel, max_iterations_fine, alignment);
+  return alignment;
+}
+
+double overlap(const SurfelCloud& query,
+               const SurfelMap& reference,
+               const Rigid3& reference_from_query) {
+  const std::size_t smaller = std::min(query.size(), reference.surfels().size());
+  if (smaller == 0) return 0.0;
+  const Eigen::Matrix4f transform = reference_from_query.matrix().cast<float>();
+  const auto per_metre = static_cast<float>(1.0 / reference.voxel_size());
+  std::unordered_set<VoxelKey> shared;
+  for (const Eigen::Vector3f& mean : query.means) {
+    const Eigen::Vector3f moved =
+        transform.topLeftCorner<3, 3>() * mean + transform.topRightCorner<3, 1>();
+    if (reference.occupied(moved)) shared.insert(voxel_key(voxel_of(moved, per_metre)));
+  }
+  return static_cast<double>(shared.size()) / static_cast<double>(smaller);
+}
+
+}  // namespace kissmap
