@@ -7,6 +7,7 @@
 
 #include "configuration.hpp"
 #include "kissmap/formats/scan_log.hpp"
+#include "kissmap/graph/pose_graph.hpp"
 
 namespace kissmap {
 
@@ -35,6 +36,16 @@ struct PackCommand {
   std::filesystem::path log;
 };
 void pack(const PackCommand& command);
+
+struct OptimizeCommand {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::filesystem::path edits;  ///< empty: none
+  std::string start;            ///< "file", "tree", "chordal"; empty: what the input allows
+  PoseGraphOptions options;
+  bool overwrite = false;
+};
+void optimize(const OptimizeCommand& command);
 
 void list_formats();
 void print_default_configuration();

@@ -22,6 +22,7 @@ struct Commands {
   RunCommand run;
   InfoCommand info;
   PackCommand pack;
+  OptimizeCommand optimize;
   std::map<const CLI::App*, std::function<void()>> action;
 };
 
@@ -64,6 +65,32 @@ void declare_run(CLI::App& app, Commands& commands) {
   command->add_flag("--quiet", c.quiet, "print errors only");
   c.configuration.add_to(*command);
   commands.action[command] = [&c] { run(c); };
+}
+
+void declare_optimize(CLI::App& app, Commands& commands) {
+  OptimizeCommand& c = commands.optimize;
+  CLI::App* command = app.add_subcommand("optimize", "Optimise a pose graph: .g2o file in and out");
+  command->add_option("GRAPH", c.input, "pose graph, a .g2o file (SE2 or SE3:QUAT)")->required();
+  command->add_option("-o,--output", c.output, "file to write")->required()->type_name("OUT.g2o");
+  command
+      ->add_option("--start",
+                   c.start,
+                   "start values: those of the file, along a tree, or chordal relaxation "
+                   "(file if it has vertices, else tree)")
+      ->type_name("file|tree|chordal")
+      ->check(CLI::IsMember({"file", "tree", "chordal"}));
+  command->add_option("--robust", c.options.robust, "whether false closures may be refused (true)")
+      ->type_name("true|false");
+  command
+      ->add_option("--edits",
+                   c.edits,
+                   "text file of edits, one a line: remove FROM TO, fix FROM TO (never refused), "
+                   "add FROM TO x y z qx qy qz qw [sigma_m sigma_rad]")
+      ->type_name("FILE");
+  command->add_option("--max-iterations", c.options.max_iterations, "of each solve (100)")
+      ->type_name("N");
+  command->add_flag("--overwrite", c.overwrite, "replace OUT.g2o if it exists");
+  commands.action[command] = [&c] { optimize(c); };
 }
 
 void declare_others(CLI::App& app, Commands& commands) {
@@ -109,6 +136,7 @@ int main_of(int argc, char** argv) {
   app.require_subcommand(1);
   Commands commands;
   declare_run(app, commands);
+  declare_optimize(app, commands);
   declare_others(app, commands);
   try {
     app.parse(argc, argv);

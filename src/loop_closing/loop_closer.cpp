@@ -12,6 +12,7 @@ namespace {
 
 constexpr double outline_voxels = 6.0;         // outline voxel over local map voxel
 constexpr double min_outline_overlap = 0.3;
+constexpr double min_neighbor_overlap = 0.2;
 constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
 constexpr int max_rounds = 5;
 constexpr double new_guess = 1.0;               // m; a guess this far from one tried is another
@@ -58,6 +59,7 @@ void LoopCloser::add(const LocalMap& local_map) {
   odometry_keypose_ = local_map.map_from_local_map;
   path_lengths_.push_back(local_map.path_length);
   if (!options_.enabled) return;
+  compare_to_neighbor(local_map);
   outlines_.emplace_back(local_map.surfels, outline_voxels * voxel_size_);
   bool found = false;
   for (const PlaceCandidate& candidate : search_.add(local_map.id, local_map.points)) {
@@ -68,6 +70,26 @@ void LoopCloser::add(const LocalMap& local_map) {
                       candidate.inliers);
   }
   if (found) optimise();
+}
+
+void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
+  if (latest_) {
+    const std::uint32_t neighbor = local_map.id - 1;
+    const Rigid3 guess = odometry_.back().from_from_to;
+    Closure closure =
+        validate_closure(local_map.surfels, *latest_, guess, {min_neighbor_overlap, 0.0, 0.0});
+    closure.query_id = local_map.id;
+    closure.reference_id = neighbor;
+    closure.source = ClosureSource::trajectory;
+    const Rigid3 off = guess.inverse() * closure.reference_from_query;
+    const double length = path_lengths_[neighbor];
+    if (closure.verdict == ClosureVerdict::accepted &&
+        off.translation.norm() <= max_drift_translation(length) &&
+        off.angle() <= max_drift_rotation(length)) {
+      neighbors_.push_back(closure);
+    }
+  }
+  latest_.emplace(local_map.surfels, voxel_size_);
 }
 
 bool LoopCloser::consider(const SurfelCloud& query,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,9 @@ class LoopCloser {
   /// All candidates that were validated, in the order of their validation.
   const std::vector<Closure>& closures() const { return closures_; }
 
+  /// Registrations of local maps to the ones just before them that hold, in order of the query.
+  const std::vector<Closure>& neighbors() const { return neighbors_; }
+
   /// Keyposes by id, corrected; the first is the identity.
   const std::vector<Rigid3>& map_from_local_map() const { return map_from_local_map_; }
 
@@ -67,6 +71,7 @@ class LoopCloser {
                 const Rigid3& guess_reference_from_query,
                 ClosureSource source,
                 int inliers);
+  void compare_to_neighbor(const LocalMap& local_map);
   bool within_drift(const Closure& closure) const;
   void optimise();
   bool look_again_from(std::uint32_t query_id);
@@ -81,6 +86,8 @@ class LoopCloser {
   std::vector<double> path_lengths_;     ///< m, of each local map
   Rigid3 odometry_keypose_;              ///< of the latest local map, as the mapper gave it
   std::vector<Closure> closures_;
+  std::vector<Closure> neighbors_;
+  std::optional<SurfelReference> latest_;  ///< surfels of the latest local map
   std::vector<MapOutline> outlines_;     ///< by id
   std::map<Pair, Rigid3> tried_;         ///< along the trajectory, with the guess
 };

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/loop_closing/trajectory_refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kissmap/error.hpp"
+#include "kissmap/loop_closing/loop_closer.hpp"
+
+namespace kissmap {
+namespace {
+
+constexpr double link_translation = 0.05;   // m, standard deviation
+constexpr double closure_rotation = 0.004;  // rad
+constexpr double neighbor_rotation = 0.002;  // rad
+
+/// The scans of one local map: [first, end).
+struct Range {
+  std::uint32_t first = 0;
+  std::uint32_t end = 0;
+};
+
+std::vector<Range> ranges_of(std::span<const ScanPlace> scans, std::size_t local_maps) {
+  std::vector<Range> ranges(local_maps);
+  for (std::uint32_t i = 0; i < scans.size(); ++i) {
+    if (scans[i].local_map_id >= local_maps) {
+      throw input_error("trajectory", "scan " + std::to_string(i) + " has no local map");
+    }
+    Range& range = ranges[scans[i].local_map_id];
+    if (range.end == 0) range.first = i;
+    range.end = i + 1;
+  }
+  return ranges;
+}
+
+std::uint32_t nearest_scan(std::span<const ScanPlace> scans,
+                           const Range& range,
+                           const Eigen::Vector3d& point) {
+  std::uint32_t nearest = range.first;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = range.first; i < range.end; ++i) {
+    const double distance =
+        (scans[i].local_map_from_lidar.translation - point).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = i;
+  }
+  return nearest;
+}
+
+/// The scan at half the way: where a local map as a whole is placed best.
+std::uint32_t middle_scan(std::span<const ScanPlace> scans, const Range& range) {
+  std::vector<double> way{0.0};
+  for (std::uint32_t i = range.first + 1; i < range.end; ++i) {
+    way.push_back(way.back() + (scans[i].local_map_from_lidar.translation -
+                                scans[i - 1].local_map_from_lidar.translation)
+                                   .norm());
+  }
+  const auto half = std::ranges::lower_bound(way, 0.5 * way.back());
+  return range.first + static_cast<std::uint32_t>(half - way.begin());
+}
+
+PoseGraphEdge link(std::span<const ScanPlace> scans,
+                   std::uint32_t reference,
+                   std::uint32_t query,
+                   const Rigid3& reference_map_from_query_map,
+                   double rotation) {
+  Information information = Information::Zero();
+  information.diagonal().head<3>().setConstant(1.0 / (link_translation * link_translation));
+  information.diagonal().tail<3>().setConstant(1.0 / (rotation * rotation));
+  return {reference,
+          query,
+          scans[reference].local_map_from_lidar.inverse() * reference_map_from_query_map *
+              scans[query].local_map_from_lidar,
+          information,
+          EdgeKind::closure};
+}
+
+}  // namespace
+
+std::vector<Rigid3> refine_trajectory(std::span<const ScanPlace> scans,
+                                      const std::vector<Rigid3>& map_from_local_map,
+                                      std::span<const Closure> closures,
+                                      std::span<const Closure> neighbors) {
+  const std::vector<Range> ranges = ranges_of(scans, map_from_local_map.size());
+  PoseGraph graph;
+  for (const ScanPlace& scan : scans) {
+    graph.map_from_node.push_back(map_from_local_map[scan.local_map_id] *
+                                  scan.local_map_from_lidar);
+  }
+  for (std::uint32_t i = 1; i < scans.size(); ++i) {
+    // The keypose of the next local map is the last scan of this one.
+    const bool same = scans[i].local_map_id == scans[i - 1].local_map_id;
+    const Rigid3 motion = same ? scans[i - 1].local_map_from_lidar.inverse() *
+                                     scans[i].local_map_from_lidar
+                               : scans[i].local_map_from_lidar;
+    graph.edges.push_back(
+        {i - 1, i, motion, odometry_information(motion.translation.norm()), EdgeKind::odometry});
+  }
+  const auto holds_scans = [&ranges](const Closure& closure) {
+    return closure.query_id < ranges.size() && closure.reference_id < ranges.size() &&
+           ranges[closure.query_id].end > 0 && ranges[closure.reference_id].end > 0;
+  };
+  for (const Closure& closure : closures) {
+    if (!holds_scans(closure)) throw input_error("closures", "a local map has no scans");
+    const Eigen::Vector3d center = closure.center_in_query;
+    graph.edges.push_back(
+        link(scans,
+             nearest_scan(scans, ranges[closure.reference_id], closure.reference_from_query * center),
+             nearest_scan(scans, ranges[closure.query_id], center),
+             closure.reference_from_query,
+             closure_rotation));
+  }
+  for (const Closure& neighbor : neighbors) {
+    if (!holds_scans(neighbor)) throw input_error("neighbors", "a local map has no scans");
+    graph.edges.push_back(link(scans,
+                               middle_scan(scans, ranges[neighbor.reference_id]),
+                               middle_scan(scans, ranges[neighbor.query_id]),
+                               neighbor.reference_from_query,
+                               neighbor_rotation));
+  }
+  PoseGraphOptions options;
+  options.robust = false;
+  return optimize(graph, options).map_from_node;
+}
+
+}  // namespace kissmap
