@@ -19,6 +19,7 @@ struct RunCommand {
   ScanSelection selection;
   int threads = 0;
   bool pack = false;
+  bool no_loop_closing = false;
   bool overwrite = false;
   bool quiet = false;
 };

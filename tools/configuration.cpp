@@ -178,8 +178,58 @@ std::vector<Setting> local_map_settings(LocalMapOptions& local_maps) {
       {"local_maps",
        "splitting_distance",
        "m",
-       "distance from its keypose at which a local map is closed",
+       "longest distance from its keypose at which a local map is closed",
        &local_maps.splitting_distance},
+  };
+}
+
+std::vector<Setting> loop_closing_settings(LoopClosingOptions& loops) {
+  return {
+      {"loop_closing",
+       "loop_closing",
+       "",
+       "find places seen before and correct the trajectory",
+       &loops.enabled},
+      {"loop_closing",
+       "second_look",
+       "",
+       "after the last scan, look again along the corrected trajectory",
+       &loops.second_look},
+      {"loop_closing",
+       "max_descriptor_distance",
+       "",
+       "bits between matched image descriptors, of 256",
+       &loops.search.max_distance},
+      {"loop_closing",
+       "min_inliers",
+       "",
+       "matches that must agree on a motion",
+       &loops.search.min_inliers},
+      {"loop_closing",
+       "skipped_local_maps",
+       "",
+       "local maps just before the latest that are no candidates",
+       &loops.search.skipped_latest},
+      {"loop_closing",
+       "max_candidates",
+       "",
+       "best candidates of a local map that are registered in 3D",
+       &loops.search.max_candidates},
+      {"loop_closing",
+       "min_overlap",
+       "",
+       "share of the smaller local map's voxels that both must hold",
+       &loops.validation.min_overlap},
+      {"loop_closing",
+       "min_wall_agreement",
+       "",
+       "share of steep surfaces near each other that must coincide",
+       &loops.validation.min_wall_agreement},
+      {"loop_closing",
+       "min_observability",
+       "",
+       "least share of the surfaces that must bind any direction",
+       &loops.validation.min_observability},
   };
 }
 
@@ -201,12 +251,14 @@ void require_valid(const Configuration& configuration) {
   require_valid(configuration.log);
   require_valid(configuration.odometry);
   require_valid(configuration.local_maps);
+  require_valid(configuration.loop_closing);
 }
 
 std::vector<Setting> settings(Configuration& configuration) {
   std::vector<Setting> all = log_settings(configuration.log);
   std::ranges::copy(odometry_settings(configuration.odometry), std::back_inserter(all));
   std::ranges::copy(local_map_settings(configuration.local_maps), std::back_inserter(all));
+  std::ranges::copy(loop_closing_settings(configuration.loop_closing), std::back_inserter(all));
   return all;
 }
 

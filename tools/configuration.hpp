@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kissmap/formats/scan_log.hpp"
+#include "kissmap/loop_closing/loop_closer.hpp"
 #include "kissmap/mapping/mapper.hpp"
 #include "kissmap/odometry/odometry.hpp"
 
@@ -22,6 +23,7 @@ struct Configuration {
   ReadOptions log;
   OdometryOptions odometry;
   LocalMapOptions local_maps;
+  LoopClosingOptions loop_closing;
 };
 /// Throws Error(usage) naming the first value out of range.
 void require_valid(const Configuration& configuration);

@@ -60,6 +60,7 @@ void declare_run(CLI::App& app, Commands& commands) {
                    "threads for computing (0: one a processor); the result is the same for any")
       ->type_name("N")
       ->check(CLI::Range(0, 1024));
+  command->add_flag("--no-loop-closing", c.no_loop_closing, "pure odometry: leave drift as it is");
   command->add_flag("--pack", c.pack, "store the scans in the session, so that it travels alone");
   command->add_flag("--overwrite", c.overwrite, "replace SESSION if it is a session");
   command->add_flag("--quiet", c.quiet, "print errors only");

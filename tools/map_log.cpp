@@ -38,6 +38,7 @@ class Books {
       totals.log_seconds = 1e-9 * static_cast<double>(scan.pose_stamp_ns - first_stamp_);
     }
     last_ = scan;
+    totals.places.push_back({scan.local_map_id, scan.local_map_from_lidar});
   }
 
   MappedLog finish() {
@@ -98,19 +99,19 @@ class StampWatch {
 
 MappedLog map_log(ScanLog& log,
                   Mapper& mapper,
-                  SessionWriter& session,
-                  PackWriter* pack,
+                  const RunOutputs& outputs,
                   const std::function<void(const RunProgress&)>& progress) {
   Books books;
   const auto write_map = [&](const std::optional<LocalMap>& closed) {
     if (!closed) return;
-    session.add_local_map(*closed);
+    outputs.session.add_local_map(*closed);
+    outputs.loops.add(*closed);
     ++books.totals.local_maps;
   };
   StampWatch stamps(log);
   while (const std::optional<LogEntry> entry = stamps.next()) {
     ++books.totals.counts.scans_read;
-    if (pack != nullptr) pack->add(*entry);
+    if (outputs.pack != nullptr) outputs.pack->add(*entry);
     if (stamps.ahead_of_next()) {
       books.refuse(*entry, "stamp later than that of the scan after", "");
       continue;
@@ -128,7 +129,7 @@ MappedLog map_log(ScanLog& log,
     }
     const auto& mapped = std::get<MappedScan>(step.scan);
     books.use(*entry, mapped, scan.stamp_is_index);
-    session.add_scan({entry->index, mapped});
+    outputs.session.add_scan({entry->index, mapped});
     write_map(step.closed);
     progress({books.totals.counts.scans_read,
               log.info().scan_count,

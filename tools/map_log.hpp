@@ -7,6 +7,8 @@
 
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/session.hpp"
+#include "kissmap/graph/trajectory_spread.hpp"
+#include "kissmap/loop_closing/loop_closer.hpp"
 #include "kissmap/mapping/mapper.hpp"
 #include "progress.hpp"
 
@@ -18,15 +20,21 @@ struct MappedLog {
   double path_length = 0.0;  ///< m
   double log_seconds = 0.0;  ///< s from the first used scan to the last; 0 without stamps
   std::uint32_t local_maps = 0;
+  std::vector<ScanPlace> places;  ///< of the scans used
 };
 
-/// Feeds a log through the mapper and writes scans and local maps as they come. With a pack, every
-/// entry of the log goes there too. Throws Error(input), and writes no local map, when not a
-/// single scan could be used.
+/// What takes in the scans and local maps of a run as they come.
+struct RunOutputs {
+  SessionWriter& session;
+  LoopCloser& loops;
+  PackWriter* pack = nullptr;  ///< takes every entry of the log, if there is one
+};
+
+/// Feeds a log through the mapper and into the outputs. Throws Error(input), and writes no local
+/// map, when not a single scan could be used.
 MappedLog map_log(ScanLog& log,
                   Mapper& mapper,
-                  SessionWriter& session,
-                  PackWriter* pack,
+                  const RunOutputs& outputs,
                   const std::function<void(const RunProgress&)>& progress);
 
 }  // namespace kissmap

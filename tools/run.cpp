@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 #include "commands.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/pictures.hpp"
 #include "kissmap/formats/registry.hpp"
+#include "kissmap/loop_closing/trajectory_refinement.hpp"
 #include "kissmap/version.hpp"
 #include "map_log.hpp"
 #include "progress.hpp"
@@ -30,6 +33,7 @@ SessionManifest manifest_of(const RunCommand& command,
 void report(const RunCommand& command,
             const SessionManifest& manifest,
             const MappedLog& mapped,
+            const LoopCloser& loops,
             double seconds) {
   const auto scans = static_cast<double>(mapped.counts.scans_read);
   std::printf("%s\n", command.session.c_str());
@@ -41,6 +45,13 @@ void report(const RunCommand& command,
               mapped.path_length,
               mapped.local_maps,
               mapped.local_maps == 1 ? "" : "s");
+  if (!loops.closures().empty()) {
+    const auto closed =
+        std::ranges::count(loops.closures(), ClosureVerdict::accepted, &Closure::verdict);
+    std::printf("  loops       %s closed, of %s candidates\n",
+                with_commas(static_cast<std::uint64_t>(closed)).c_str(),
+                with_commas(loops.closures().size()).c_str());
+  }
   std::printf("  time        %.1f s, %.1f scans/s", seconds, scans / seconds);
   if (mapped.log_seconds > 0.0) {
     std::printf(", %.1f times real time", mapped.log_seconds / seconds);
@@ -63,6 +74,27 @@ void require_apart(const std::filesystem::path& log, const std::filesystem::path
   }
 }
 
+/// The last part of a run: corrects what odometry found.
+void close_loops(const std::vector<ScanPlace>& places,
+                 const LoopClosingOptions& options,
+                 LoopCloser& loops,
+                 SessionWriter& session) {
+  if (!options.enabled) return;
+  loops.look_again();
+  SessionCorrection correction;
+  correction.closures = loops.closures();
+  correction.map_from_local_map = loops.map_from_local_map();
+  correction.graph = loops.graph();
+  correction.edge_weights = loops.edge_weights();
+  std::vector<Closure> accepted;
+  std::ranges::copy_if(correction.closures, std::back_inserter(accepted), [](const Closure& c) {
+    return c.verdict == ClosureVerdict::accepted;
+  });
+  correction.map_from_lidar =
+      refine_trajectory(places, correction.map_from_local_map, accepted, loops.neighbors());
+  session.correct(correction);
+}
+
 void write_session(const RunCommand& command,
                    const Configuration& configuration,
                    ScanLog& log,
@@ -73,12 +105,17 @@ void write_session(const RunCommand& command,
   if (command.pack) pack.emplace(session.partial_path() / pack_file_name);
   ThreadPool pool(command.threads);
   Mapper mapper(configuration.odometry, configuration.local_maps, pool);
+  const std::filesystem::path folder = session.partial_path();
+  LoopCloser loops(configuration.loop_closing,
+                   configuration.local_maps.voxel_size,
+                   [&folder](std::uint32_t id) { return read_local_map_surfels(folder, id); });
   MappedLog mapped;
   double seconds = 0.0;
   {
     ProgressLine line(!command.quiet);
     const auto show = [&line](const RunProgress& progress) { line.show(progress); };
-    mapped = map_log(log, mapper, session, pack ? &*pack : nullptr, show);
+    mapped = map_log(log, mapper, {session, loops, pack ? &*pack : nullptr}, show);
+    close_loops(mapped.places, configuration.loop_closing, loops, session);
     seconds = line.seconds();
   }
   manifest.log.files = log.files();
@@ -90,13 +127,14 @@ void write_session(const RunCommand& command,
   }
   write_png(draw_map_from_above(session.partial_path()), session.partial_path() / "map.png");
   session.finish(manifest);
-  if (!command.quiet) report(command, manifest, mapped, seconds);
+  if (!command.quiet) report(command, manifest, mapped, loops, seconds);
 }
 
 }  // namespace
 
 void run(const RunCommand& command) {
-  const Configuration configuration = command.configuration.configuration();
+  Configuration configuration = command.configuration.configuration();
+  if (command.no_loop_closing) configuration.loop_closing.enabled = false;
   require_valid(command.selection);
   require_apart(command.log, command.session);
   const auto log = read_ahead(

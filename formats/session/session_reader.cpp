@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "formats/files/output_file.hpp"
+#include "formats/session/correction_tables.hpp"
 #include "formats/session/local_map_ply.hpp"
 #include "formats/session/manifest_json.hpp"
 #include "formats/session/session_folder.hpp"
@@ -51,6 +52,7 @@ Session read_session(const std::filesystem::path& path) {
   for_each_scan(path, session.local_maps, UnclosedScans::refuse, [&](const SessionScan& scan) {
     session.scans.push_back(scan);
   });
+  session.closures = read_closures(path, session.local_maps.size());
   require_rows(session.scans.size(), stored.tables.scans, path / scans_file_name);
   return session;
 }

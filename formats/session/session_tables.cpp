@@ -3,48 +3,13 @@
 
 #include <optional>
 
+#include "formats/files/row_text.hpp"
 #include "formats/files/table.hpp"
+#include "formats/session/correction_tables.hpp"
 #include "formats/session/session_folder.hpp"
 
 namespace kissmap {
 namespace {
-
-std::string pose_columns(const std::string& name) {
-  std::string columns;
-  for (const char* part : {"_x", "_y", "_z", "_qx", "_qy", "_qz", "_qw"}) {
-    columns += (columns.empty() ? "" : ",") + name + part;
-  }
-  return columns;
-}
-
-// Appends the fields of a row one by one, commas between them.
-class RowText {
- public:
-  template <typename Number>
-  RowText& number(Number value) {
-    separate();
-    append_number(text_, value);
-    return *this;
-  }
-  RowText& flag(bool value) { return word(value ? "1" : "0"); }
-  RowText& word(const char* value) {
-    separate();
-    text_ += value;
-    return *this;
-  }
-  RowText& pose(const Rigid3& transform) {
-    separate();
-    append_pose(text_, transform, ',');
-    return *this;
-  }
-  std::string line() { return text_ + '\n'; }
-
- private:
-  void separate() {
-    if (!text_.empty()) text_ += ',';
-  }
-  std::string text_;
-};
 
 SessionScan read_scan(TableReader& table) {
   SessionScan scan;
@@ -129,6 +94,7 @@ std::vector<LocalMap> read_local_maps(const std::filesystem::path& session) {
   TableReader table(session / local_maps_file_name, local_maps_header(), damaged_session_cure);
   std::vector<LocalMap> maps;
   while (table.next_row()) maps.push_back(read_local_map(table, maps.size()));
+  correct_keyposes(session, maps);
   return maps;
 }
 
@@ -137,6 +103,7 @@ void for_each_scan(const std::filesystem::path& session,
                    UnclosedScans unclosed,
                    const std::function<void(const SessionScan&)>& visit) {
   TableReader table(session / scans_file_name, scans_header(), damaged_session_cure);
+  std::optional<CorrectedPoses> corrected = open_corrected_poses(session);
   std::optional<std::uint64_t> last_index;
   while (table.next_row()) {
     SessionScan scan = read_scan(table);
@@ -145,13 +112,16 @@ void for_each_scan(const std::filesystem::path& session,
       throw table.error("ends a scan whose log_index is not above that of the scan before");
     }
     last_index = scan.log_index;
+    const std::optional<Rigid3> pose =
+        corrected ? std::optional(corrected->next(scan.log_index)) : std::nullopt;
     if (mapped.local_map_id >= local_maps.size()) {
       if (unclosed == UnclosedScans::pass_over) continue;
       throw table.error("ends a scan whose local_map_id is not in " +
                         std::string(local_maps_file_name));
     }
     mapped.map_from_lidar =
-        local_maps[mapped.local_map_id].map_from_local_map * mapped.local_map_from_lidar;
+        pose ? *pose
+             : local_maps[mapped.local_map_id].map_from_local_map * mapped.local_map_from_lidar;
     visit(scan);
   }
 }

@@ -5,15 +5,18 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <numeric>
 #include <utility>
 
 #include "formats/files/output_file.hpp"
+#include "formats/session/correction_tables.hpp"
 #include "formats/session/local_map_ply.hpp"
 #include "formats/session/manifest_json.hpp"
 #include "formats/session/session_folder.hpp"
 #include "formats/session/session_tables.hpp"
 #include "formats/trajectories/pose_lines.hpp"
 #include "kissmap/error.hpp"
+#include "kissmap/formats/g2o.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/version.hpp"
 
@@ -99,6 +102,10 @@ class SessionWriter::Impl {
     }
     scans_.write(scan_row(scan));
     scans_.flush();
+    log_indices_.push_back(scan.log_index);
+    const std::size_t id = scan.mapped.local_map_id;
+    // A local map that ended with its first scan leaves its stamp to the ones without.
+    first_stamps_ns_.resize(std::max(first_stamps_ns_.size(), id + 1), scan.mapped.pose_stamp_ns);
     last_log_index_ = scan.log_index;
     last_local_map_id_ = std::max(last_local_map_id_, scan.mapped.local_map_id);
     ++sizes_.scans;
@@ -115,6 +122,21 @@ class SessionWriter::Impl {
     local_maps_.write(row);
     local_maps_.flush();
     ++sizes_.local_maps;
+  }
+
+  void correct(const SessionCorrection& correction) {
+    require_open();
+    if (correction.map_from_lidar.size() != sizes_.scans ||
+        correction.map_from_local_map.size() != sizes_.local_maps) {
+      throw Error(Fault::internal, "a correction must place every scan and every local map");
+    }
+    write_keyposes(partial_, correction.map_from_local_map);
+    write_poses(partial_, log_indices_, correction.map_from_lidar);
+    write_closures(partial_, correction.closures, first_stamps_ns_);
+    GraphFile graph{correction.graph, {}, true, {}};
+    graph.ids.resize(sizes_.local_maps);
+    std::iota(graph.ids.begin(), graph.ids.end(), std::int64_t{0});
+    write_g2o(graph, partial_ / graph_file_name, correction.edge_weights);
   }
 
   void finish(const SessionManifest& manifest) {
@@ -153,6 +175,8 @@ class SessionWriter::Impl {
   OutputFile scans_;
   OutputFile local_maps_;
   TableSizes sizes_;
+  std::vector<std::int64_t> first_stamps_ns_;  ///< of the local maps, for correct()
+  std::vector<std::uint64_t> log_indices_;     ///< of the scans, for correct()
   std::uint64_t last_log_index_ = 0;
   std::uint32_t last_local_map_id_ = 0;
   bool finished_ = false;
@@ -174,6 +198,10 @@ void SessionWriter::add_scan(const SessionScan& scan) {
 
 void SessionWriter::add_local_map(const LocalMap& local_map) {
   impl_->add_local_map(local_map);
+}
+
+void SessionWriter::correct(const SessionCorrection& correction) {
+  impl_->correct(correction);
 }
 
 const std::filesystem::path& SessionWriter::partial_path() const {

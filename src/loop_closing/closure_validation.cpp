@@ -10,9 +10,9 @@
 namespace kissmap {
 namespace {
 
-constexpr float steep = 0.5F;               // |z| of the normal, 60 degrees from the level
-constexpr float agreeing_normals = 0.8F;    // cosine
-constexpr float fitting_share = 0.2F;       // of a voxel, distance to the plane
+constexpr float steep = 0.5F;             // |z| of the normal, 60 degrees from the level
+constexpr float agreeing_normals = 0.8F;  // cosine
+constexpr float fitting_share = 0.2F;     // of a voxel, distance to the plane
 // How sure a closure can be at best: surfaces are sampled by voxels, and each local map is bent by
 // the drift between its keypose and the place where the two meet.
 constexpr double best_translation = 0.05;   // m

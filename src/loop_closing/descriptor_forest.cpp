@@ -47,8 +47,8 @@ void DescriptorForest::insert(Tree& tree, std::uint32_t item) {
   while (tree.leaves[tree.nodes[node].leaf].count == leaf_size) {
     // A leaf of equal descriptors cannot be split. One more of them tells no place from another.
     if (!split(tree, node)) return;
-    node = tree.nodes[node].first_child +
-           (bit_of(descriptors_[item], tree.nodes[node].bit) ? 1U : 0U);
+    node =
+        tree.nodes[node].first_child + (bit_of(descriptors_[item], tree.nodes[node].bit) ? 1U : 0U);
   }
   Leaf& leaf = tree.leaves[tree.nodes[node].leaf];
   leaf.items[leaf.count++] = item;
@@ -105,8 +105,8 @@ std::vector<DescriptorForest::Match> DescriptorForest::search(const Descriptor& 
     if (a.entry.place != b.entry.place) return a.entry.place < b.entry.place;
     return a.distance != b.distance ? a.distance < b.distance : a.entry.feature < b.entry.feature;
   });
-  const auto repeated = std::ranges::unique(
-      matches, {}, [](const Match& match) { return match.entry.place; });
+  const auto repeated =
+      std::ranges::unique(matches, {}, [](const Match& match) { return match.entry.place; });
   matches.erase(repeated.begin(), repeated.end());
   return matches;
 }

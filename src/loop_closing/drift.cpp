@@ -13,10 +13,10 @@
 namespace kissmap {
 namespace {
 
-constexpr double closure_length = 1.0;          // m
-constexpr double walk_translation = 0.03;       // m per square root of m
-constexpr double walk_rotation = 0.003;         // rad per square root of m
-constexpr double least_length = 0.1;            // m
+constexpr double closure_length = 1.0;     // m
+constexpr double walk_translation = 0.03;  // m per square root of m
+constexpr double walk_rotation = 0.003;    // rad per square root of m
+constexpr double least_length = 0.1;       // m
 // Odometry that is off by more than 6 % of the path has failed.
 constexpr double most_translation_first = 1.0;  // m
 constexpr double most_translation = 0.06;       // m per m

@@ -13,11 +13,11 @@
 namespace kissmap {
 namespace {
 
-constexpr float column_size = 5.0F;         // m
-constexpr double first_reach = 5.0;         // m, samples farther from the plane are no ground
-constexpr double last_reach = 0.5;          // m
+constexpr float column_size = 5.0F;  // m
+constexpr double first_reach = 5.0;  // m, samples farther from the plane are no ground
+constexpr double last_reach = 0.5;   // m
 constexpr int max_iterations = 20;
-constexpr double min_update = 1e-4;         // m and slope
+constexpr double min_update = 1e-4;  // m and slope
 constexpr std::size_t min_samples = 3;
 
 std::vector<Eigen::Vector3d> lowest_points(std::span<const Eigen::Vector3f> points) {

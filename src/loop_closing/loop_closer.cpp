@@ -10,12 +10,12 @@
 namespace kissmap {
 namespace {
 
-constexpr double outline_voxels = 6.0;         // outline voxel over local map voxel
+constexpr double outline_voxels = 6.0;  // outline voxel over local map voxel
 constexpr double min_outline_overlap = 0.3;
 constexpr double min_neighbor_overlap = 0.2;
 constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
 constexpr int max_rounds = 5;
-constexpr double new_guess = 1.0;               // m; a guess this far from one tried is another
+constexpr double new_guess = 1.0;  // m; a guess this far from one tried is another
 
 bool was_measured(const Closure& closure) {
   return closure.verdict == ClosureVerdict::accepted ||
@@ -116,8 +116,8 @@ bool LoopCloser::consider(const SurfelCloud& query,
 }
 
 bool LoopCloser::within_drift(const Closure& closure) const {
-  const Rigid3 expected = map_from_local_map_[closure.reference_id].inverse() *
-                          map_from_local_map_[closure.query_id];
+  const Rigid3 expected =
+      map_from_local_map_[closure.reference_id].inverse() * map_from_local_map_[closure.query_id];
   const Rigid3 off = expected.inverse() * closure.reference_from_query;
   const double length =
       drift_length(graph(), path_lengths_, closure.reference_id, closure.query_id);
@@ -133,6 +133,15 @@ PoseGraph LoopCloser::graph() const {
     if (was_measured(closure)) graph.edges.push_back(edge_of(closure));
   }
   return graph;
+}
+
+std::vector<double> LoopCloser::edge_weights() const {
+  std::vector<double> weights(odometry_.size(), 1.0);
+  for (const Closure& closure : closures_) {
+    if (!was_measured(closure)) continue;
+    weights.push_back(closure.verdict == ClosureVerdict::accepted ? 1.0 : 0.0);
+  }
+  return weights;
 }
 
 void LoopCloser::optimise() {

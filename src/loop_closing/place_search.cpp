@@ -83,11 +83,11 @@ void PlaceSearch::search(const Scale& scale,
     const std::uint64_t seed = (std::uint64_t{id} << 32U) + place;
     const auto alignment = align_planar(pairs.at(place), inlier_pixels * scale.pixel_size, seed);
     if (!alignment || alignment->inliers < options_.min_inliers) continue;
-    candidates.push_back({place,
-                          alignment->inliers,
-                          ground_from_local_map_[place].inverse() *
-                              alignment->reference_from_query.in_space() *
-                              ground_from_local_map_[id]});
+    candidates.push_back(
+        {place,
+         alignment->inliers,
+         ground_from_local_map_[place].inverse() * alignment->reference_from_query.in_space() *
+             ground_from_local_map_[id]});
   }
 }
 

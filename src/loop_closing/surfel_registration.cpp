@@ -14,11 +14,11 @@ namespace {
 constexpr std::size_t max_samples = 2500;
 constexpr int max_iterations_coarse = 20;
 constexpr int max_iterations_fine = 40;
-constexpr double min_translation = 1e-3;    // m, convergence
-constexpr double min_rotation = 1e-4;       // rad
+constexpr double min_translation = 1e-3;  // m, convergence
+constexpr double min_rotation = 1e-4;     // rad
 constexpr float min_normal_agreement = 0.7F;
-constexpr double coarseness = 3.0;          // coarse voxel over fine voxel
-constexpr double residual_scale = 0.3;      // of a voxel, of the kernel
+constexpr double coarseness = 3.0;      // coarse voxel over fine voxel
+constexpr double residual_scale = 0.3;  // of a voxel, of the kernel
 constexpr int min_pairs = 20;
 
 struct Sums {
@@ -59,8 +59,9 @@ Sums accumulate(const SurfelCloud& samples,
     const Eigen::Vector3d own_normal = rotation * samples.normals[i].cast<double>();
     if (std::abs(normal.dot(own_normal)) < static_cast<double>(min_normal_agreement)) continue;
     const double residual = normal.dot(apart);
-    const double weight = scale * scale / ((scale + residual * residual / scale) *
-                                           (scale + residual * residual / scale));
+    const double weight =
+        scale * scale /
+        ((scale + residual * residual / scale) * (scale + residual * residual / scale));
     // reference_from_query * exp(twist): the derivative of n' (R (p + v + w x p) + t).
     const Eigen::Vector3d turned = rotation.transpose() * normal;
     Twist jacobian;

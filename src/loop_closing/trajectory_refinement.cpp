@@ -11,8 +11,8 @@
 namespace kissmap {
 namespace {
 
-constexpr double link_translation = 0.05;   // m, standard deviation
-constexpr double closure_rotation = 0.004;  // rad
+constexpr double link_translation = 0.05;    // m, standard deviation
+constexpr double closure_rotation = 0.004;   // rad
 constexpr double neighbor_rotation = 0.002;  // rad
 
 /// The scans of one local map: [first, end).
@@ -40,8 +40,7 @@ std::uint32_t nearest_scan(std::span<const ScanPlace> scans,
   std::uint32_t nearest = range.first;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t i = range.first; i < range.end; ++i) {
-    const double distance =
-        (scans[i].local_map_from_lidar.translation - point).squaredNorm();
+    const double distance = (scans[i].local_map_from_lidar.translation - point).squaredNorm();
     if (distance >= least) continue;
     least = distance;
     nearest = i;
@@ -92,9 +91,9 @@ std::vector<Rigid3> refine_trajectory(std::span<const ScanPlace> scans,
   for (std::uint32_t i = 1; i < scans.size(); ++i) {
     // The keypose of the next local map is the last scan of this one.
     const bool same = scans[i].local_map_id == scans[i - 1].local_map_id;
-    const Rigid3 motion = same ? scans[i - 1].local_map_from_lidar.inverse() *
-                                     scans[i].local_map_from_lidar
-                               : scans[i].local_map_from_lidar;
+    const Rigid3 motion =
+        same ? scans[i - 1].local_map_from_lidar.inverse() * scans[i].local_map_from_lidar
+             : scans[i].local_map_from_lidar;
     graph.edges.push_back(
         {i - 1, i, motion, odometry_information(motion.translation.norm()), EdgeKind::odometry});
   }
@@ -105,12 +104,12 @@ std::vector<Rigid3> refine_trajectory(std::span<const ScanPlace> scans,
   for (const Closure& closure : closures) {
     if (!holds_scans(closure)) throw input_error("closures", "a local map has no scans");
     const Eigen::Vector3d center = closure.center_in_query;
-    graph.edges.push_back(
-        link(scans,
-             nearest_scan(scans, ranges[closure.reference_id], closure.reference_from_query * center),
-             nearest_scan(scans, ranges[closure.query_id], center),
-             closure.reference_from_query,
-             closure_rotation));
+    graph.edges.push_back(link(
+        scans,
+        nearest_scan(scans, ranges[closure.reference_id], closure.reference_from_query * center),
+        nearest_scan(scans, ranges[closure.query_id], center),
+        closure.reference_from_query,
+        closure_rotation));
   }
   for (const Closure& neighbor : neighbors) {
     if (!holds_scans(neighbor)) throw input_error("neighbors", "a local map has no scans");

@@ -33,7 +33,7 @@ const char* to_string(ScanRefusal refusal) {
 
 namespace {
 
-constexpr double path_step = 0.5;           // m
+constexpr double path_step = 0.5;            // m
 constexpr double shortest_local_map = 10.0;  // m
 
 double mean_range(const RegisteredScan& registered) {
@@ -56,9 +56,8 @@ Mapper::Mapper(const OdometryOptions& odometry,
       grid_((require_valid(local_maps), local_maps.voxel_size), local_maps.max_points_per_voxel),
       frame_reach_(local_maps.splitting_distance) {
   if (!splitting_rule_) {
-    splitting_rule_ =
-        split_by_range(std::min(shortest_local_map, local_maps.splitting_distance),
-                       local_maps.splitting_distance);
+    splitting_rule_ = split_by_range(std::min(shortest_local_map, local_maps.splitting_distance),
+                                     local_maps.splitting_distance);
   }
 }
 
@@ -86,8 +85,7 @@ std::optional<ScanRefusal> Mapper::check_stamp(const Scan& scan) const {
 
 void Mapper::fill_grid(std::span<const Eigen::Vector3f> points_in_frame) {
   const Rigid3 local_map_from_frame = frame_from_local_map_.inverse();
-  const Eigen::Matrix3f rotation =
-      local_map_from_frame.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Matrix3f rotation = local_map_from_frame.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = local_map_from_frame.translation.cast<float>();
   grid_points_.clear();
   for (const Eigen::Vector3f& point : points_in_frame) {

@@ -10,13 +10,15 @@
 #include <vector>
 
 #include "kissmap/formats/scan_log.hpp"
+#include "kissmap/graph/pose_graph.hpp"
+#include "kissmap/loop_closing/closure.hpp"
 #include "kissmap/mapping/local_map.hpp"
 #include "kissmap/mapping/stamp_gaps.hpp"
 
 namespace kissmap {
 
 /// Version of the layout described in formats/session/FORMAT.md.
-inline constexpr int session_format_version = 1;
+inline constexpr int session_format_version = 2;
 
 /// Where a session's scans came from.
 struct LogIdentity {
@@ -70,12 +72,22 @@ struct SessionScan {
   MappedScan mapped;
 };
 
+/// What closing loops made of a session.
+struct SessionCorrection {
+  std::vector<Rigid3> map_from_local_map;  ///< keyposes by id
+  std::vector<Rigid3> map_from_lidar;      ///< one a scan, in the order they were added
+  std::vector<Closure> closures;           ///< all candidates
+  PoseGraph graph;                         ///< of the keyposes
+  std::vector<double> edge_weights;        ///< of the graph: 1 believed, 0 refused
+};
+
 /// A finished session, without the points of its local maps.
 struct Session {
   std::filesystem::path path;
   SessionManifest manifest;
   std::vector<SessionScan> scans;
   std::vector<LocalMap> local_maps;  ///< surfels empty, see read_local_map_surfels
+  std::vector<Closure> closures;     ///< candidates, accepted or not; information left out
 };
 
 /// Writes a session as the scans come; memory does not grow with the log. All goes to
@@ -95,6 +107,10 @@ class SessionWriter {
   /// Scans in the order of the log; local maps count from 0 and may come after their scans.
   void add_scan(const SessionScan& scan);
   void add_local_map(const LocalMap& local_map);
+
+  /// Places the scans and local maps anew: their poses by odometry stay in the tables, but all
+  /// readers take these. Call after the last scan and local map, before finish(), or never.
+  void correct(const SessionCorrection& correction);
 
   /// The folder being written, for pictures and packs that belong inside it.
   const std::filesystem::path& partial_path() const;

@@ -18,12 +18,12 @@ enum class ClosureSource : std::uint8_t {
 /// What became of a candidate. Only `accepted` ones bend the map.
 enum class ClosureVerdict : std::uint8_t {
   accepted,
-  no_convergence,     ///< the registration did not come to rest
-  low_overlap,        ///< too few voxels shared
-  walls_disagree,     ///< steep surfaces near each other do not lie on each other
-  unobservable,       ///< the shared surfaces leave a direction open, as in a bare corridor
-  beyond_drift,       ///< further from the odometry than it can have drifted
-  refused_by_graph    ///< contradicts the other closures
+  no_convergence,   ///< the registration did not come to rest
+  low_overlap,      ///< too few voxels shared
+  walls_disagree,   ///< steep surfaces near each other do not lie on each other
+  unobservable,     ///< the shared surfaces leave a direction open, as in a bare corridor
+  beyond_drift,     ///< further from the odometry than it can have drifted
+  refused_by_graph  ///< contradicts the other closures
 };
 /// Short text for reports, the same for the same verdict.
 const char* to_string(ClosureVerdict verdict);
@@ -35,13 +35,13 @@ struct Closure {
   std::uint32_t reference_id = 0;  ///< the earlier one
   ClosureSource source = ClosureSource::appearance;
   ClosureVerdict verdict = ClosureVerdict::accepted;
-  int inliers = 0;                ///< feature matches that agree on the guess; 0 for `trajectory`
-  int iterations = 0;             ///< of the registration
-  double overlap = 0.0;           ///< Szymkiewicz-Simpson, 0..1
-  double wall_agreement = 0.0;    ///< share of the query's steep surfels near the reference that fit
-  double residual_before = 0.0;   ///< m, RMS to planes at the guess
-  double residual_after = 0.0;    ///< m
-  Rigid3 reference_from_query;    ///< between the keyposes
+  int inliers = 0;               ///< feature matches that agree on the guess; 0 for `trajectory`
+  int iterations = 0;            ///< of the registration
+  double overlap = 0.0;          ///< Szymkiewicz-Simpson, 0..1
+  double wall_agreement = 0.0;   ///< share of the query's steep surfels near the reference that fit
+  double residual_before = 0.0;  ///< m, RMS to planes at the guess
+  double residual_after = 0.0;   ///< m
+  Rigid3 reference_from_query;   ///< between the keyposes
   Information information = Information::Zero();  ///< of it, in the query's frame
   /// Where the maps meet: mean of the query's surfels in shared voxels, query's frame [m].
   Eigen::Vector3d center_in_query = Eigen::Vector3d::Zero();

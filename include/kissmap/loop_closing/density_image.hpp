@@ -12,11 +12,11 @@ namespace kissmap {
 
 /// A local map from above: how many of its points stand over each pixel (METHOD section 3.2).
 struct DensityImage {
-  int width = 0;   ///< pixels along x
-  int height = 0;  ///< pixels along y
-  double pixel_size = 0.0;               ///< m
-  Eigen::Vector2d corner{0.0, 0.0};      ///< m, outer corner of pixel (0, 0), ground frame
-  std::vector<std::uint8_t> pixels;      ///< row by row, rows along x; 0 empty .. 255 densest
+  int width = 0;                     ///< pixels along x
+  int height = 0;                    ///< pixels along y
+  double pixel_size = 0.0;           ///< m
+  Eigen::Vector2d corner{0.0, 0.0};  ///< m, outer corner of pixel (0, 0), ground frame
+  std::vector<std::uint8_t> pixels;  ///< row by row, rows along x; 0 empty .. 255 densest
 
   bool empty() const { return pixels.empty(); }
 };

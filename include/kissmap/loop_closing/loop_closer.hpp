@@ -26,8 +26,8 @@ struct LoopClosingOptions {
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const LoopClosingOptions& options);
 
-/// Information of an odometry edge over a path of `length` [m]: a random walk of 3 cm and 3 mrad for
-/// the first metre.
+/// Information of an odometry edge over a path of `length` [m]: a random walk of 3 cm and 3 mrad
+/// for the first metre.
 Information odometry_information(double length);
 
 /// Closes loops between local maps as they come, and keeps the graph of their keyposes
@@ -62,6 +62,8 @@ class LoopCloser {
   /// Keyposes with an edge for each stretch of odometry and for each closure that geometry bears
   /// out, those the graph refused included.
   PoseGraph graph() const;
+  /// Of the graph's edges: 1 believed, 0 refused.
+  std::vector<double> edge_weights() const;
 
  private:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< query, reference
@@ -88,8 +90,8 @@ class LoopCloser {
   std::vector<Closure> closures_;
   std::vector<Closure> neighbors_;
   std::optional<SurfelReference> latest_;  ///< surfels of the latest local map
-  std::vector<MapOutline> outlines_;     ///< by id
-  std::map<Pair, Rigid3> tried_;         ///< along the trajectory, with the guess
+  std::vector<MapOutline> outlines_;       ///< by id
+  std::map<Pair, Rigid3> tried_;           ///< along the trajectory, with the guess
 };
 
 }  // namespace kissmap

@@ -36,8 +36,8 @@ class PlaceSearch {
  public:
   explicit PlaceSearch(const PlaceSearchOptions& options);
 
-  /// Takes local maps in order of their ids from 0; `points` in the local_map frame [m]. Returns the
-  /// candidates of this one, best first.
+  /// Takes local maps in order of their ids from 0; `points` in the local_map frame [m]. Returns
+  /// the candidates of this one, best first.
   std::vector<PlaceCandidate> add(std::uint32_t id, std::span<const Eigen::Vector3f> points);
 
  private:

@@ -18,8 +18,8 @@ struct PlanarPair {
 
 /// Rigid motion in the plane; always a proper rotation.
 struct Rigid2 {
-  double angle = 0.0;                                       ///< rad
-  Eigen::Vector2d translation = Eigen::Vector2d::Zero();    ///< m
+  double angle = 0.0;                                     ///< rad
+  Eigen::Vector2d translation = Eigen::Vector2d::Zero();  ///< m
 
   Eigen::Vector2d operator*(const Eigen::Vector2d& point) const;
   Rigid3 in_space() const;  ///< about and along the axes of the ground

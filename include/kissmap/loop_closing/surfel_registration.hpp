@@ -46,12 +46,12 @@ class SurfelMap {
 /// How two local maps fit together, see register_surfels().
 struct SurfelAlignment {
   Rigid3 reference_from_query;
-  bool converged = false;         ///< the last update was below 1 mm and 0.1 mrad
+  bool converged = false;  ///< the last update was below 1 mm and 0.1 mrad
   int iterations = 0;
-  int pairs = 0;                  ///< in the last iteration, of `samples` surfels of the query
+  int pairs = 0;  ///< in the last iteration, of `samples` surfels of the query
   int samples = 0;
-  double residual_before = 0.0;   ///< m, RMS distance to planes at the start, of pairs within reach
-  double residual_after = 0.0;    ///< m, the same at the end
+  double residual_before = 0.0;  ///< m, RMS distance to planes at the start, of pairs within reach
+  double residual_after = 0.0;   ///< m, the same at the end
   /// J'J of the last iteration, twist (translation; rotation) of the query in the query's frame.
   Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
 };
@@ -70,9 +70,9 @@ class SurfelReference {
 };
 
 /// Point-to-plane registration of surfels (METHOD section 3.6; Chen and Medioni 1991), coarse to
-/// fine: pairs within 3 voxels, then within sqrt(3) voxels of each other, at most 45 degrees between
-/// their normals, residuals weighted by Geman-McClure. At most 2,500 surfels of the query are used,
-/// evenly picked.
+/// fine: pairs within 3 voxels, then within sqrt(3) voxels of each other, at most 45 degrees
+/// between their normals, residuals weighted by Geman-McClure. At most 2,500 surfels of the query
+/// are used, evenly picked.
 SurfelAlignment register_surfels(const SurfelCloud& query,
                                  const SurfelReference& reference,
                                  const Rigid3& guess_reference_from_query);

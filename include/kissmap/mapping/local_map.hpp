@@ -23,13 +23,13 @@ enum class LocalMapEnd : std::uint8_t { split, end_of_log };
 /// A closed local map (METHOD section 2). Its keypose is the pose of the last scan before it;
 /// the first local map's keypose is the identity.
 struct LocalMap {
-  std::uint32_t id = 0;          ///< counts from 0 in the order of recording
-  Rigid3 map_from_local_map;     ///< the keypose
-  SurfelCloud surfels;           ///< local_map frame
+  std::uint32_t id = 0;                 ///< counts from 0 in the order of recording
+  Rigid3 map_from_local_map;            ///< the keypose
+  SurfelCloud surfels;                  ///< local_map frame
   std::vector<Eigen::Vector3f> points;  ///< all of its grid, local_map frame [m]; not stored
-  std::uint64_t scan_count = 0;  ///< scans whose pose is relative to this keypose
-  double path_length = 0.0;      ///< m, sum of the motions between its scans
-  double displacement = 0.0;     ///< m, last scan from the keypose
+  std::uint64_t scan_count = 0;         ///< scans whose pose is relative to this keypose
+  double path_length = 0.0;             ///< m, sum of the motions between its scans
+  double displacement = 0.0;            ///< m, last scan from the keypose
   LocalMapEnd end = LocalMapEnd::split;
 };
 

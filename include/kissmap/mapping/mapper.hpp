@@ -66,7 +66,7 @@ class Mapper {
 
   Odometry odometry_;
   SplittingRule splitting_rule_;
-  VoxelHashMap grid_;  ///< of the open local map, in its frame
+  VoxelHashMap grid_;   ///< of the open local map, in its frame
   double frame_reach_;  ///< m; a local map closed farther away makes odometry restart its frame
   std::vector<Eigen::Vector3f> grid_points_;
   Rigid3 frame_from_local_map_;  ///< frame: that of the odometry

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "formats/session/correction_tables.hpp"
+
+#include <array>
+
+#include "formats/files/output_file.hpp"
+#include "formats/files/row_text.hpp"
+#include "formats/session/session_folder.hpp"
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array verdicts = {ClosureVerdict::accepted,
+                                 ClosureVerdict::no_convergence,
+                                 ClosureVerdict::low_overlap,
+                                 ClosureVerdict::walls_disagree,
+                                 ClosureVerdict::unobservable,
+                                 ClosureVerdict::beyond_drift,
+                                 ClosureVerdict::refused_by_graph};
+constexpr std::array sources = {ClosureSource::appearance, ClosureSource::trajectory};
+
+std::string keyposes_header() {
+  return "local_map_id," + pose_columns("map_from_local_map");
+}
+
+std::string poses_header() {
+  return "log_index," + pose_columns("map_from_lidar");
+}
+
+std::string closures_header() {
+  return "query_id,reference_id,query_stamp_ns,reference_stamp_ns,source,inliers,iterations,"
+         "overlap,wall_agreement,residual_before,"
+         "residual_after," +
+         pose_columns("reference_from_query") +
+         ",center_in_query_x,center_in_query_y,center_in_query_z,verdict,reason";
+}
+
+std::string closure_row(const Closure& closure, const std::vector<std::int64_t>& stamps_ns) {
+  const bool accepted = closure.verdict == ClosureVerdict::accepted;
+  return RowText()
+      .number(std::uint64_t{closure.query_id})
+      .number(std::uint64_t{closure.reference_id})
+      .number(stamps_ns.at(closure.query_id))
+      .number(stamps_ns.at(closure.reference_id))
+      .word(to_string(closure.source))
+      .number(std::int64_t{closure.inliers})
+      .number(std::int64_t{closure.iterations})
+      .number(closure.overlap)
+      .number(closure.wall_agreement)
+      .number(closure.residual_before)
+      .number(closure.residual_after)
+      .pose(closure.reference_from_query)
+      .number(closure.center_in_query.x())
+      .number(closure.center_in_query.y())
+      .number(closure.center_in_query.z())
+      .word(accepted ? "accepted" : "refused")
+      .word(to_string(closure.verdict))
+      .line();
+}
+
+template <typename Values>
+auto named(TableReader& table, const Values& values) {
+  const std::string_view name = table.text();
+  for (const auto value : values) {
+    if (name == to_string(value)) return value;
+  }
+  throw table.error("is none of the known words");
+}
+
+std::uint32_t read_id(TableReader& table, std::size_t local_maps) {
+  const std::uint32_t id = table.unsigned_integer_32();
+  if (id >= local_maps) throw table.error("is no local map of the session");
+  return id;
+}
+
+Closure read_closure(TableReader& table, std::size_t local_maps) {
+  Closure closure;
+  closure.query_id = read_id(table, local_maps);
+  closure.reference_id = read_id(table, local_maps);
+  table.integer();
+  table.integer();
+  closure.source = named(table, sources);
+  closure.inliers = static_cast<int>(table.integer());
+  closure.iterations = static_cast<int>(table.integer());
+  closure.overlap = table.number();
+  closure.wall_agreement = table.number();
+  closure.residual_before = table.number();
+  closure.residual_after = table.number();
+  closure.reference_from_query = table.pose();
+  for (double& coordinate : closure.center_in_query) coordinate = table.number();
+  table.text();  // says no more than the reason
+  closure.verdict = named(table, verdicts);
+  table.end_row();
+  return closure;
+}
+
+}  // namespace
+
+void write_keyposes(const fs::path& session, const std::vector<Rigid3>& map_from_local_map) {
+  OutputFile file(session / keyposes_file_name);
+  file.write(keyposes_header() + '\n');
+  for (std::uint64_t id = 0; id < map_from_local_map.size(); ++id) {
+    file.write(RowText().number(id).pose(map_from_local_map[id]).line());
+  }
+  file.close();
+}
+
+void write_poses(const fs::path& session,
+                 const std::vector<std::uint64_t>& log_indices,
+                 const std::vector<Rigid3>& map_from_lidar) {
+  OutputFile file(session / poses_file_name);
+  file.write(poses_header() + '\n');
+  for (std::size_t i = 0; i < log_indices.size(); ++i) {
+    file.write(RowText().number(log_indices[i]).pose(map_from_lidar[i]).line());
+  }
+  file.close();
+}
+
+void write_closures(const fs::path& session,
+                    const std::vector<Closure>& closures,
+                    const std::vector<std::int64_t>& stamps_ns) {
+  OutputFile file(session / closures_file_name);
+  file.write(closures_header() + '\n');
+  for (const Closure& closure : closures) file.write(closure_row(closure, stamps_ns));
+  file.close();
+}
+
+void correct_keyposes(const fs::path& session, std::vector<LocalMap>& local_maps) {
+  if (!fs::exists(session / keyposes_file_name)) return;
+  TableReader table(session / keyposes_file_name, keyposes_header(), damaged_session_cure);
+  for (LocalMap& local_map : local_maps) {
+    if (!table.next_row()) {
+      throw input_error(
+          session / keyposes_file_name,
+          "has fewer rows than " + std::string(local_maps_file_name) + "; " + damaged_session_cure);
+    }
+    if (table.unsigned_integer_32() != local_map.id) {
+      throw table.error("is not the number of the row, counted from 0");
+    }
+    local_map.map_from_local_map = table.pose();
+    table.end_row();
+  }
+  if (table.next_row()) throw table.error("begins a row too many");
+}
+
+CorrectedPoses::CorrectedPoses(const fs::path& session)
+    : path_(session / poses_file_name), table_(path_, poses_header(), damaged_session_cure) {
+}
+
+Rigid3 CorrectedPoses::next(std::uint64_t log_index) {
+  if (!table_.next_row()) {
+    throw input_error(
+        path_, "has fewer rows than " + std::string(scans_file_name) + "; " + damaged_session_cure);
+  }
+  if (table_.unsigned_integer() != log_index) {
+    throw table_.error("is not the log_index of the same row of " + std::string(scans_file_name));
+  }
+  const Rigid3 pose = table_.pose();
+  table_.end_row();
+  return pose;
+}
+
+std::optional<CorrectedPoses> open_corrected_poses(const fs::path& session) {
+  if (!fs::exists(session / poses_file_name)) return std::nullopt;
+  return std::make_optional<CorrectedPoses>(session);
+}
+
+std::vector<Closure> read_closures(const fs::path& session, std::size_t local_maps) {
+  if (!fs::exists(session / closures_file_name)) return {};
+  TableReader table(session / closures_file_name, closures_header(), damaged_session_cure);
+  std::vector<Closure> closures;
+  while (table.next_row()) closures.push_back(read_closure(table, local_maps));
+  return closures;
+}
+
+}  // namespace kissmap

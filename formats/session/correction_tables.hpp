@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "formats/files/table.hpp"
+#include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/mapping/local_map.hpp"
+
+namespace kissmap {
+
+// keyposes.csv, poses.csv and closures.csv of a session; columns in FORMAT.md. They are there if
+// the session was corrected. Reading throws Error(input) naming file, line, column and cure,
+// writing Error(output); files are written aside, then renamed.
+
+void write_keyposes(const std::filesystem::path& session,
+                    const std::vector<Rigid3>& map_from_local_map);
+void write_poses(const std::filesystem::path& session,
+                 const std::vector<std::uint64_t>& log_indices,
+                 const std::vector<Rigid3>& map_from_lidar);
+/// `stamps_ns` by local map: of its first scan's pose.
+void write_closures(const std::filesystem::path& session,
+                    const std::vector<Closure>& closures,
+                    const std::vector<std::int64_t>& stamps_ns);
+
+/// Replaces keyposes by the corrected ones, if there are any. A table with too few or too many rows
+/// is an error.
+void correct_keyposes(const std::filesystem::path& session, std::vector<LocalMap>& local_maps);
+
+/// Reads poses.csv beside scans.csv.
+class CorrectedPoses {
+ public:
+  explicit CorrectedPoses(const std::filesystem::path& session);
+  /// The pose of the next scan, which must have this index.
+  Rigid3 next(std::uint64_t log_index);
+
+ private:
+  std::filesystem::path path_;
+  TableReader table_;
+};
+/// Nothing if the session was not corrected.
+std::optional<CorrectedPoses> open_corrected_poses(const std::filesystem::path& session);
+
+/// Candidates for closures without their information; none if the session was not corrected.
+std::vector<Closure> read_closures(const std::filesystem::path& session, std::size_t local_maps);
+
+}  // namespace kissmap
