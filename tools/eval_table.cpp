@@ -91,7 +91,7 @@ std::string heading(const EvaluationReport& report) {
                             with_commas(t.poses).c_str(),
                             t.path_length);
     if (t.repeated > 0) {
-      line += text("           left out: %s with the stamp of the pose before\n",
+      line += text("           take care: %s with the stamp of the pose before\n",
                    with_commas(t.repeated).c_str());
     }
     return line;

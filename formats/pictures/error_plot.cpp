@@ -137,7 +137,7 @@ void draw_legend(Canvas& canvas, const EvaluationReport& report) {
     char figures[96];
     std::snprintf(figures,
                   sizeof figures,
-                  "ate %.3f m rmse",
+                  "ATE RMSE %.3f m",
                   report.estimates[i].evaluation.absolute_translation.rmse);
     draw_legend_row(
         canvas, static_cast<int>(i) + 1, colour_of(i), report.estimates[i].about.name, figures);

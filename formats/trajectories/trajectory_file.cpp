@@ -54,7 +54,6 @@ void append_row(TrajectoryFile& file, const PoseRow& row) {
         throw std::invalid_argument("the stamp is before that of the pose before; sort the lines");
       }
       file.repeated += *row.stamp_ns == last ? 1 : 0;
-      if (*row.stamp_ns == last) return;
     }
     trajectory.stamps_ns.push_back(*row.stamp_ns);
   }

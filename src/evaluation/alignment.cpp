@@ -2,6 +2,7 @@
 #include "kissmap/evaluation/alignment.hpp"
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 namespace kissmap {
@@ -9,6 +10,8 @@ namespace {
 
 // Spread of positions across a line, relative to that along it, below which it is rounding.
 constexpr double open_rotation = 1e-12;  // of variances: 1 mm in 1 km
+// Spread relative to the distance from the origin, below which positions are all the same.
+constexpr double same_place = 1e-12;
 
 Eigen::Vector3d mean_position(const std::vector<Rigid3>& poses) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -20,7 +23,7 @@ struct Moments {
   Eigen::Vector3d reference_mean;
   Eigen::Vector3d estimate_mean;
   Eigen::Matrix3d covariance;  ///< reference times estimate transposed
-  double scale = 0.0;          ///< sizes of both, for what counts as zero
+  double zero = 0.0;           ///< what is as small is rounding
 };
 
 Moments moments_of(const std::vector<Rigid3>& reference, const std::vector<Rigid3>& estimate) {
@@ -35,7 +38,10 @@ Moments moments_of(const std::vector<Rigid3>& reference, const std::vector<Rigid
     estimate_size += e.squaredNorm();
   }
   m.covariance /= static_cast<double>(reference.size());
-  m.scale = std::sqrt(reference_size * estimate_size) / static_cast<double>(reference.size());
+  const double spread =
+      std::sqrt(reference_size * estimate_size) / static_cast<double>(reference.size());
+  const double rounding = same_place * (m.reference_mean.norm() + m.estimate_mean.norm());
+  m.zero = std::max(open_rotation * spread, rounding * rounding);
   return m;
 }
 
@@ -47,7 +53,7 @@ Rigid3 with_rotation(const Eigen::Quaterniond& rotation, const Moments& m) {
 std::optional<Rigid3> align_se3(const Moments& m) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m.covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.singularValues()[1] <= open_rotation * m.scale) return std::nullopt;
+  if (svd.singularValues()[1] <= m.zero) return std::nullopt;
   const Eigen::Matrix3d& u = svd.matrixU();
   const Eigen::Matrix3d& v = svd.matrixV();
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
@@ -60,7 +66,7 @@ std::optional<Rigid3> align_se3(const Moments& m) {
 std::optional<Rigid3> align_yaw(const Moments& m) {
   const double along = m.covariance(0, 0) + m.covariance(1, 1);
   const double across = m.covariance(1, 0) - m.covariance(0, 1);
-  if (std::hypot(along, across) <= open_rotation * m.scale) return std::nullopt;
+  if (std::hypot(along, across) <= m.zero) return std::nullopt;
   const Eigen::AngleAxisd rotation(std::atan2(across, along), Eigen::Vector3d::UnitZ());
   return with_rotation(Eigen::Quaterniond(rotation), m);
 }

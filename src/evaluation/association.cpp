@@ -12,64 +12,60 @@
 namespace kissmap {
 namespace {
 
-constexpr double ns_per_s = 1e9;
 constexpr double max_tolerance = 1e6;  // s
 constexpr double max_offset = 4e9;     // s, from 1970 to nearly 2100
 
 using Stamps = std::vector<std::int64_t>;
+using Seconds = std::vector<double>;
 
-// Never overflows: at most 2^64.
-std::uint64_t apart(std::int64_t a, std::int64_t b) {
-  const auto x = static_cast<std::uint64_t>(a);
-  const auto y = static_cast<std::uint64_t>(b);
-  return a > b ? x - y : y - x;
-}
-
-std::size_t nearest(const Stamps& stamps, std::int64_t stamp) {
-  const auto after = std::ranges::lower_bound(stamps, stamp);
-  const auto idx = static_cast<std::size_t>(after - stamps.begin());
-  if (idx == 0) return 0;
-  if (idx == stamps.size()) return idx - 1;
-  return apart(stamps[idx - 1], stamp) <= apart(stamps[idx], stamp) ? idx - 1 : idx;
-}
-
-Stamps shifted(const Stamps& stamps, double seconds) {
-  const auto offset_ns = static_cast<std::int64_t>(std::llround(seconds * ns_per_s));
-  Stamps result = stamps;
-  for (std::int64_t& stamp : result) {
-    if (!__builtin_add_overflow(stamp, offset_ns, &stamp)) continue;
-    throw Error(Fault::input, "a stamp plus the offset leaves the range of 64-bit nanoseconds");
+// The double nearest to the decimal stamp, as a reader of seconds gets it.
+Seconds seconds_from(const Stamps& stamps_ns) {
+  Seconds seconds;
+  seconds.reserve(stamps_ns.size());
+  for (const std::int64_t stamp : stamps_ns) {
+    seconds.push_back(static_cast<double>(static_cast<long double>(stamp) / 1e9L));
   }
-  return result;
+  return seconds;
 }
 
-std::string seconds_of(std::int64_t stamp_ns) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.3f", static_cast<double>(stamp_ns) / ns_per_s);
+// The first of several equally near.
+std::size_t nearest(const Seconds& ascending, double stamp) {
+  auto best = std::ranges::lower_bound(ascending, stamp);
+  const bool none_after = best == ascending.end();
+  if (best != ascending.begin()) {
+    const double before = *std::prev(best);
+    if (none_after || stamp - before <= *best - stamp) {
+      best = std::ranges::lower_bound(ascending, before);
+    }
+  }
+  return static_cast<std::size_t>(best - ascending.begin());
+}
+
+std::string span_of(const Seconds& stamps) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.3f to %.3f s", stamps.front(), stamps.back());
   return text;
 }
 
-std::string span_of(const Stamps& stamps) {
-  return seconds_of(stamps.front()) + " to " + seconds_of(stamps.back()) + " s";
-}
-
-Error nothing_in_common(const Stamps& reference, const Stamps& estimate, double tolerance) {
-  const bool overlap = reference.front() <= estimate.back() && estimate.front() <= reference.back();
-  const double ahead =
-      static_cast<double>(reference.front()) - static_cast<double>(estimate.front());
-  std::string message = "no pose belongs to one of the reference: its stamps go from " +
+Error nothing_in_common(const Seconds& reference,
+                        const Seconds& estimate,
+                        const AssociationOptions& options) {
+  const bool overlap = reference.front() <= estimate.back() + options.offset &&
+                       estimate.front() + options.offset <= reference.back();
+  const double ahead = reference.front() - estimate.front();
+  std::string message = "no pose belongs to one of the reference: the stamps go from " +
                         span_of(estimate) + ", those of the reference from " + span_of(reference);
   char text[160];
   if (overlap) {
     std::snprintf(text,
                   sizeof text,
                   "; they overlap, but no two are within %g s: raise the tolerance",
-                  tolerance);
+                  options.tolerance);
   } else {
     std::snprintf(text,
                   sizeof text,
                   "; they do not overlap. If both begin at once, an offset of %.3f s joins them",
-                  ahead / ns_per_s);
+                  ahead);
   }
   return {Fault::input, message + text};
 }
@@ -101,24 +97,23 @@ PosePairs pair_by_index(const Trajectory& reference, const Trajectory& estimate)
 PosePairs pair_by_stamp(const Trajectory& reference,
                         const Trajectory& estimate,
                         const AssociationOptions& options) {
-  const Stamps estimate_stamps = shifted(estimate.stamps_ns, options.offset);
-  const auto tolerance_ns = static_cast<std::uint64_t>(std::llround(options.tolerance * ns_per_s));
   const bool estimate_longer = estimate.size() > reference.size();
-  const Stamps& shorter = estimate_longer ? reference.stamps_ns : estimate_stamps;
-  const Stamps& longer = estimate_longer ? estimate_stamps : reference.stamps_ns;
+  const Seconds shorter = seconds_from((estimate_longer ? reference : estimate).stamps_ns);
+  Seconds longer = seconds_from((estimate_longer ? estimate : reference).stamps_ns);
+  const double offset = estimate_longer ? options.offset : -options.offset;
+  for (double& stamp : longer) stamp += offset;
   PosePairs pairs;
   pairs.by_stamp = true;
   for (std::size_t i = 0; i < shorter.size(); ++i) {
     const std::size_t j = nearest(longer, shorter[i]);
-    if (apart(longer[j], shorter[i]) > tolerance_ns) continue;
+    if (std::abs(longer[j] - shorter[i]) > options.tolerance) continue;
     const std::size_t reference_idx = estimate_longer ? i : j;
     append(pairs, reference, estimate, reference_idx, estimate_longer ? j : i);
     pairs.stamps_ns.push_back(reference.stamps_ns[reference_idx]);
   }
-  if (pairs.size() == 0) {
-    throw nothing_in_common(reference.stamps_ns, estimate_stamps, options.tolerance);
-  }
-  return pairs;
+  if (pairs.size() > 0) return pairs;
+  throw nothing_in_common(
+      seconds_from(reference.stamps_ns), seconds_from(estimate.stamps_ns), options);
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ void require_valid(const Trajectory& trajectory) {
                 std::to_string(stamps.size()) + " stamps for " + std::to_string(trajectory.size()) +
                     " poses; each pose needs one");
   }
-  if (std::ranges::adjacent_find(stamps, std::greater_equal{}) != stamps.end()) {
-    throw Error(Fault::input, "the stamps of a trajectory do not ascend; sort it by stamp");
+  if (std::ranges::adjacent_find(stamps, std::greater{}) != stamps.end()) {
+    throw Error(Fault::input, "the stamps of a trajectory fall; sort it by stamp");
   }
   std::int64_t duration = 0;
   if (!stamps.empty() && __builtin_sub_overflow(stamps.back(), stamps.front(), &duration)) {

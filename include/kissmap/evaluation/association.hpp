@@ -31,7 +31,8 @@ struct PosePairs {
 /// Pairs by stamp: each pose of the trajectory with fewer poses (the estimate, if both have as
 /// many) takes the pose of the other that is nearest in time, the earlier of two equally near, if
 /// it is within the tolerance. A pose of the longer one may serve several times. This is the rule
-/// of evo (evo/core/sync.py), in whole nanoseconds instead of binary seconds.
+/// of evo (evo/core/sync.py), and as there stamps are compared as double seconds: to 0.2 us for
+/// stamps since 1970.
 /// Where one of them has no stamps, pairs by index. Throws Error(input) when nothing belongs
 /// together (the message gives both spans of time), and for unequal counts without stamps.
 /// O(n log n).

@@ -11,7 +11,7 @@ namespace kissmap {
 
 /// Poses of a sensor over time, world_from_sensor, in metres. Any world frame will do.
 struct Trajectory {
-  std::vector<std::int64_t> stamps_ns;  ///< one a pose, ascending, no two alike; or none at all
+  std::vector<std::int64_t> stamps_ns;  ///< one a pose, never falling; or none at all
   std::vector<Rigid3> poses;
 
   bool has_stamps() const { return !stamps_ns.empty(); }

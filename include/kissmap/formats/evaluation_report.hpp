@@ -16,7 +16,7 @@ struct TrajectorySummary {
   std::string name;    ///< path as the user gave it
   std::string format;  ///< see trajectory_file.hpp
   std::size_t poses = 0;
-  std::size_t repeated = 0;  ///< poses left out, see TrajectoryFile
+  std::size_t repeated = 0;  ///< poses with the stamp of the one before
   double path_length = 0.0;  ///< m
 };
 

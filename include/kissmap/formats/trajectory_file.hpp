@@ -12,7 +12,7 @@ namespace kissmap {
 struct TrajectoryFile {
   Trajectory trajectory;
   std::string format;        ///< "session", "TUM", "KITTI" or "EuRoC"
-  std::size_t repeated = 0;  ///< poses left out because the one before has the same stamp
+  std::size_t repeated = 0;  ///< poses with the stamp of the one before
 };
 
 /// Reads a trajectory; its content tells the format:
@@ -23,7 +23,7 @@ struct TrajectoryFile {
 ///   (ASL dataset format, state_groundtruth_estimate0/data.csv)
 /// Blank lines and lines that begin with # are passed over. Rotations are brought to unit length;
 /// one that is off by more than a hundredth is an error, as is a stamp before that of the pose
-/// before. Of poses with the same stamp the first is kept (published ground truth has such).
+/// before. Poses with the same stamp are kept (published trajectories have such) and counted.
 /// `times` names a file with one stamp [s] a line for poses that have none; it is left alone if
 /// they have. Throws Error(input) naming file, line and cure. Not for files above 2 GiB.
 TrajectoryFile read_trajectory(const std::filesystem::path& path,
