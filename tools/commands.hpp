@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "configuration.hpp"
 #include "kissmap/formats/scan_log.hpp"
@@ -47,6 +48,23 @@ struct OptimizeCommand {
   bool overwrite = false;
 };
 void optimize(const OptimizeCommand& command);
+
+struct EvalCommand {
+  std::vector<std::filesystem::path> estimates;
+  std::filesystem::path reference;
+  std::filesystem::path times;        ///< stamps for trajectories that have none
+  std::filesystem::path calibration;  ///< calib.txt of KITTI: estimates of the LiDAR
+  double tolerance = 0.01;            ///< s
+  double offset = 0.0;                ///< s
+  std::string align = "se3";
+  std::vector<std::string> deltas;  ///< "1f", "10m", "0.5s"; empty: the default
+  bool all_pairs = false;
+  std::vector<double> segments;  ///< m; empty: chosen by the length of the way
+  std::filesystem::path json;
+  std::filesystem::path csv;
+  std::filesystem::path plot;
+};
+void eval(const EvalCommand& command);
 
 void list_formats();
 void print_default_configuration();

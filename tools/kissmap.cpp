@@ -7,6 +7,7 @@
 #include <new>
 
 #include "commands.hpp"
+#include "declare_eval.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
 #include "report.hpp"
@@ -23,6 +24,7 @@ struct Commands {
   InfoCommand info;
   PackCommand pack;
   OptimizeCommand optimize;
+  EvalCommand eval;
   std::map<const CLI::App*, std::function<void()>> action;
 };
 
@@ -107,6 +109,8 @@ void declare_others(CLI::App& app, Commands& commands) {
   pack_command->add_option("--log", commands.pack.log, "where the log is now, if it moved")
       ->type_name("PATH");
   commands.action[pack_command] = [&c = commands.pack] { pack(c); };
+
+  commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
   commands.action[app.add_subcommand("formats", "List the log formats")] = list_formats;
   commands.action[app.add_subcommand("config", "Print the default configuration (TOML)")] =

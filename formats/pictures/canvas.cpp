@@ -4,38 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/pictures/glyphs.hpp"
+
 namespace kissmap {
 namespace {
-
-constexpr std::size_t glyph_height = 5;
-
-struct Glyph {
-  char character;
-  std::array<std::string_view, glyph_height> rows;  // equally long
-};
-
-constexpr std::array<Glyph, 13> glyphs = {{
-    {'0', {"###", "# #", "# #", "# #", "###"}},
-    {'1', {" # ", "## ", " # ", " # ", "###"}},
-    {'2', {"###", "  #", "###", "#  ", "###"}},
-    {'3', {"###", "  #", " ##", "  #", "###"}},
-    {'4', {"# #", "# #", "###", "  #", "  #"}},
-    {'5', {"###", "#  ", "###", "  #", "###"}},
-    {'6', {"###", "#  ", "###", "# #", "###"}},
-    {'7', {"###", "  #", "  #", " # ", " # "}},
-    {'8', {"###", "# #", "###", "# #", "###"}},
-    {'9', {"###", "# #", "###", "  #", "###"}},
-    {'.', {"   ", "   ", "   ", "   ", " # "}},
-    {'k', {"#  ", "# #", "## ", "## ", "# #"}},
-    {'m', {"     ", "     ", "#### ", "# # #", "# # #"}},
-}};
-
-constexpr Glyph blank = {' ', {"  ", "  ", "  ", "  ", "  "}};
-
-const Glyph& find_glyph(char character) {
-  const auto glyph = std::ranges::find(glyphs, character, &Glyph::character);
-  return glyph == glyphs.end() ? blank : *glyph;
-}
 
 // With the gap before the next character.
 int advance(const Glyph& glyph) {

@@ -32,7 +32,8 @@ class Canvas {
                  float half_width,
                  const Colour& colour);
 
-  /// Digits, '.', ' ', 'k' and 'm'; `unit` pixels for each dot of a font 5 dots high.
+  /// Digits, letters (small ones as capitals but k and m), ' ' and .-_/()%:,+= ; `unit` pixels
+  /// for each dot of a font 5 dots high.
   void draw_text(int left, int top, int unit, std::string_view text, const Colour& colour);
 
  private:

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/formats/trajectory_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "evaluation/files.hpp"
+#include "kissmap/error.hpp"
+#include "support/matchers.hpp"
+#include "support/random_walk.hpp"
+#include "support/temp_dir.hpp"
+
+namespace kissmap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ReadTrajectory : public testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& text, const std::string& name = "file") const {
+    return write_text(temp_.path() / name, text);
+  }
+  std::string error_of(const std::string& text, const std::string& times = "") const {
+    try {
+      read_trajectory(file(text), times.empty() ? std::filesystem::path{} : file(times, "times"));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault(), Fault::input);
+      return error.what();
+    }
+    return "no error";
+  }
+  TempDir temp_;
+};
+
+TEST_F(ReadTrajectory, TumRoundTrip) {
+  const std::vector<Rigid3> way = winding_way(50, 0.7, 1.0);
+  const TrajectoryFile read = read_trajectory(file(tum_text(way)));
+  EXPECT_EQ(read.format, "TUM");
+  ASSERT_EQ(read.trajectory.size(), way.size());
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    EXPECT_THAT(read.trajectory.poses[i], PoseNear(way[i], 0.0, 1e-15));
+  }
+  EXPECT_EQ(read.trajectory.stamps_ns[3], 1'700'000'000'300'000'000);
+}
+
+TEST_F(ReadTrajectory, KittiRoundTripWithAndWithoutTimes) {
+  const std::vector<Rigid3> way = winding_way(3, 0.7, 1.0);
+  const auto poses = file(kitti_text(way));
+  EXPECT_FALSE(read_trajectory(poses).trajectory.has_stamps());
+  const TrajectoryFile read =
+      read_trajectory(poses, file("0.000000e+00\n1.036224e-01\n2.072e-01\n", "times"));
+  EXPECT_EQ(read.format, "KITTI");
+  EXPECT_EQ(read.trajectory.stamps_ns, (std::vector<std::int64_t>{0, 103'622'400, 207'200'000}));
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    EXPECT_THAT(read.trajectory.poses[i], PoseNear(way[i], 0.0, 1e-14));
+  }
+}
+
+TEST_F(ReadTrajectory, EurocByHand) {
+  const TrajectoryFile read =
+      read_trajectory(file("\xef\xbb\xbf#timestamp, p_x [m], ...\r\n"
+                           "1403715524907143168,0.5,-1.5,2.5,0.8,0.6,0,0,-0.002,9,9\r\n\r\n"
+                           "1403715524912143104, 1,2,3, 0,0,0,-1 ,1,1,1\r\n"));
+  EXPECT_EQ(read.format, "EuRoC");
+  EXPECT_EQ(read.trajectory.stamps_ns,
+            (std::vector<std::int64_t>{1403715524907143168, 1403715524912143104}));
+  EXPECT_THAT(read.trajectory.poses[0],
+              PoseNear(Rigid3{Eigen::Quaterniond(0.8, 0.6, 0.0, 0.0), {0.5, -1.5, 2.5}}, 0, 1e-15));
+  EXPECT_THAT(read.trajectory.poses[1],
+              PoseNear(Rigid3{Eigen::Quaterniond(0.0, 0.0, 0.0, 1.0), {1, 2, 3}}, 0, 1e-15));
+}
+
+TEST_F(ReadTrajectory, FourDecimalsAreARotation) {
+  const TrajectoryFile read = read_trajectory(file("1.5 0 0 0 0.5773 0.5773 0.5773 0.0001"));
+  EXPECT_NEAR(read.trajectory.poses[0].rotation.norm(), 1.0, 1e-15);
+}
+
+TEST_F(ReadTrajectory, RepeatedStampsAreCounted) {
+  const TrajectoryFile read =
+      read_trajectory(file("1 1 0 0 0 0 0 1\n1 2 0 0 0 0 0 1\n1.000000001 3 0 0 0 0 0 1\n"));
+  EXPECT_EQ(read.repeated, 1U);
+  EXPECT_EQ(read.trajectory.size(), 3U);
+}
+
+TEST_F(ReadTrajectory, HostileFilesNameTheLine) {
+  const std::string good = "1 0 0 0 0 0 0 1\n";
+  const std::string kitti = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "holds no pose"},
+      {"# only a comment\n\n", "holds no pose"},
+      {"1 2 3\n", "line 1"},
+      {std::string("\0\1\2\xff\n", 5), "line 1"},
+      {"#\n" + good + "2 0 0 0 0 0 1\n", "line 3: 7 columns"},
+      {good + "2 0 0 0 0 0 0 1 9\n", "line 2: 9 columns"},
+      {good + "2 nan 0 0 0 0 0 1\n", "line 2: 'nan'"},
+      {good + "2 0 inf 0 0 0 0 1\n", "line 2: 'inf'"},
+      {good + "2 0 0 0x 0 0 0 1\n", "line 2: '0x'"},
+      {good + "2 1e300 0 0 0 0 0 1\n", "line 2: a position beyond"},
+      {good + "2 1e999 0 0 0 0 0 1\n", "line 2: '1e999'"},
+      {good + "nan 0 0 0 0 0 0 1\n", "line 2: 'nan' is no stamp"},
+      {"1403715524907143168 0 0 0 0 0 0 1\n", "divided by 1e9"},
+      {good + "2 0 0 0 0 0 0 0\n", "line 2: the quaternion has length 0.0"},
+      {good + "2 0 0 0 0.6 0.6 0.6 0.6\n", "line 2: the quaternion has length 1.2"},
+      {good + "0.9 0 0 0 0 0 0 1\n", "line 2: the stamp is before"},
+      {kitti + "2 0 0 0 0 1 0 0 0 0 1 0\n", "line 2: columns 1-3"},
+      {kitti + "-1 0 0 0 0 1 0 0 0 0 1 0\n", "line 2: columns 1-3"},
+      {kitti + "1 0 0 0 0 1 0 0 0 0 1\n", "line 2: 11 columns"},
+      {kitti + "1 0 0 nan 0 1 0 0 0 0 1 0\n", "line 2: 'nan'"},
+      {"1,2,3\n", "line 1"},
+      {"1.5,0,0,0,1,0,0,0\n", "line 1: '1.5' is no stamp in whole nanoseconds"},
+      {"1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0\n", "line 2: 7 columns"},
+      {"1,0,0,0,1,0,0,0\n2,0,,0,1,0,0,0\n", "line 2: ''"},
+  };
+  for (const auto& [text, part] : cases) {
+    EXPECT_THAT(error_of(text), AllOf(HasSubstr("file"), HasSubstr(part))) << text;
+  }
+}
+
+TEST_F(ReadTrajectory, TimesHaveToFit) {
+  const std::string kitti = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n";
+  EXPECT_THAT(error_of(kitti, "1\n"), HasSubstr("1 stamps for the 2 poses"));
+  EXPECT_THAT(error_of(kitti, "1\n1\n"), HasSubstr("stamp 2 is not after"));
+  EXPECT_THAT(error_of(kitti, "1\nx\n"), HasSubstr("line 2"));
+}
+
+TEST_F(ReadTrajectory, PathsThatAreNoFile) {
+  for (const std::filesystem::path& path : {temp_.path(), temp_.path() / "absent"}) {
+    EXPECT_THROW(read_trajectory(path), Error) << path;
+  }
+}
+
+}  // namespace
+}  // namespace kissmap
