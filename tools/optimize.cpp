@@ -71,6 +71,10 @@ void report(const OptimizeCommand& command,
               solution.converged ? "converged" : "NOT converged: raise --max-iterations");
   std::printf("  time        %.3f s\n", seconds);
   if (command.options.robust) std::fputs(refused_closures(file, solution).c_str(), stdout);
+  if (file.couplings_dropped > 0) {
+    std::printf("  changed     %s edges: coupling of translation and rotation dropped\n",
+                with_commas(file.couplings_dropped).c_str());
+  }
   for (const auto& [tag, count] : file.skipped) {
     std::printf("  skipped     %s lines of unknown kind %s\n",
                 with_commas(count).c_str(),
@@ -86,7 +90,9 @@ void optimize(const OptimizeCommand& command) {
     throw usage_error(command.input.string() + ": is no .g2o file");
   }
   require_output(command);
-  GraphFile file = read_g2o(command.input);
+  GraphFile file = read_g2o(
+      command.input,
+      command.drop_coupling ? NegativeInformation::drop_coupling : NegativeInformation::refuse);
   if (!command.edits.empty()) apply(read_graph_edits(command.edits), file.ids, file.graph);
   const auto begin = Clock::now();
   const std::string start = set_start(command.start, file);
