@@ -147,7 +147,9 @@ class Reader {
       ++file_.couplings_dropped;
       if (is_positive(information)) return;
     }
-    throw fields.error("the information is negative in some direction");
+    throw fields.error(
+        "the information is negative in some direction; kissmap optimize --drop-coupling keeps its "
+        "translation and rotation blocks if they are not");
   }
 
   Error error_at(std::size_t line, const std::string& message) const {
