@@ -45,6 +45,7 @@ struct OptimizeCommand {
   std::filesystem::path edits;  ///< empty: none
   std::string start;            ///< "file", "tree", "chordal"; empty: what the input allows
   PoseGraphOptions options;
+  bool drop_coupling = false;  ///< of edges with negative information
   bool overwrite = false;
 };
 void optimize(const OptimizeCommand& command);

@@ -92,6 +92,10 @@ void declare_optimize(CLI::App& app, Commands& commands) {
       ->type_name("FILE");
   command->add_option("--max-iterations", c.options.max_iterations, "of each solve (100)")
       ->type_name("N");
+  command->add_flag("--drop-coupling",
+                    c.drop_coupling,
+                    "where the information of an edge is negative in some direction, keep only its "
+                    "translation and rotation blocks instead of refusing the file");
   command->add_flag("--overwrite", c.overwrite, "replace OUT.g2o if it exists");
   commands.action[command] = [&c] { optimize(c); };
 }

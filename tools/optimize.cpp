@@ -48,11 +48,35 @@ std::string refused_closures(const GraphFile& file, const PoseGraphSolution& sol
   return text("  refused     %s closures\n", with_commas(count).c_str()) + lines;
 }
 
-void report(const OptimizeCommand& command,
-            const GraphFile& file,
-            const std::string& start,
-            const PoseGraphSolution& solution,
-            double seconds) {
+struct Outcome {
+  std::string start;
+  PoseGraphSolution solution;
+  double seconds = 0.0;
+};
+
+// The library knows nodes by index and no file.
+[[noreturn]] void rethrow(const Error& error, const std::filesystem::path& input) {
+  if (error.fault() != Fault::input) throw error;
+  throw input_error(input,
+                    std::string(error.what()) + " (nodes count from 0 in order of their ids)");
+}
+
+Outcome solve(const OptimizeCommand& command, GraphFile& file) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  Outcome outcome;
+  try {
+    outcome.start = set_start(command.start, file);
+    outcome.solution = optimize(file.graph, command.options);
+  } catch (const Error& error) {
+    rethrow(error, command.input);
+  }
+  outcome.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return outcome;
+}
+
+void report(const OptimizeCommand& command, const GraphFile& file, const Outcome& outcome) {
+  const auto& [start, solution, seconds] = outcome;
   const auto closures = static_cast<std::uint64_t>(
       std::ranges::count(file.graph.edges, EdgeKind::closure, &PoseGraphEdge::kind));
   std::printf("%s\n", command.output.c_str());
@@ -71,6 +95,10 @@ void report(const OptimizeCommand& command,
               solution.converged ? "converged" : "NOT converged: raise --max-iterations");
   std::printf("  time        %.3f s\n", seconds);
   if (command.options.robust) std::fputs(refused_closures(file, solution).c_str(), stdout);
+  if (file.couplings_dropped > 0) {
+    std::printf("  changed     %s edges: coupling of translation and rotation dropped\n",
+                with_commas(file.couplings_dropped).c_str());
+  }
   for (const auto& [tag, count] : file.skipped) {
     std::printf("  skipped     %s lines of unknown kind %s\n",
                 with_commas(count).c_str(),
@@ -81,20 +109,18 @@ void report(const OptimizeCommand& command,
 }  // namespace
 
 void optimize(const OptimizeCommand& command) {
-  using Clock = std::chrono::steady_clock;
   if (command.input.extension() != ".g2o") {
     throw usage_error(command.input.string() + ": is no .g2o file");
   }
   require_output(command);
-  GraphFile file = read_g2o(command.input);
+  GraphFile file = read_g2o(
+      command.input,
+      command.drop_coupling ? NegativeInformation::drop_coupling : NegativeInformation::refuse);
   if (!command.edits.empty()) apply(read_graph_edits(command.edits), file.ids, file.graph);
-  const auto begin = Clock::now();
-  const std::string start = set_start(command.start, file);
-  const PoseGraphSolution solution = optimize(file.graph, command.options);
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  file.graph.map_from_node = solution.map_from_node;
-  write_g2o(file, command.output, solution.edge_weights);
-  report(command, file, start, solution, seconds);
+  const Outcome outcome = solve(command, file);
+  file.graph.map_from_node = outcome.solution.map_from_node;
+  write_g2o(file, command.output, outcome.solution.edge_weights);
+  report(command, file, outcome);
 }
 
 }  // namespace kissmap

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <utility>
 
 #include "commands.hpp"
 #include "kissmap/error.hpp"
@@ -83,15 +84,16 @@ void close_loops(const std::vector<ScanPlace>& places,
   loops.look_again();
   SessionCorrection correction;
   correction.closures = loops.closures();
-  correction.map_from_local_map = loops.map_from_local_map();
   correction.graph = loops.graph();
   correction.edge_weights = loops.edge_weights();
   std::vector<Closure> accepted;
   std::ranges::copy_if(correction.closures, std::back_inserter(accepted), [](const Closure& c) {
     return c.verdict == ClosureVerdict::accepted;
   });
-  correction.map_from_lidar =
-      refine_trajectory(places, correction.map_from_local_map, accepted, loops.neighbors());
+  RefinedTrajectory refined =
+      refine_trajectory(places, loops.map_from_local_map(), accepted, loops.neighbors());
+  correction.map_from_lidar = std::move(refined.map_from_lidar);
+  correction.map_from_local_map = std::move(refined.map_from_local_map);
   session.correct(correction);
 }
 

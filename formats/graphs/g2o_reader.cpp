@@ -33,7 +33,8 @@ struct FileFix {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path) {}
+  Reader(const std::filesystem::path& path, NegativeInformation negative)
+      : path_(path), negative_(negative) {}
 
   GraphFile read() {
     const std::vector<std::byte> bytes = read_side_file(path_);
@@ -105,7 +106,7 @@ class Reader {
     edges_.push_back(edge);
   }
 
-  static Information spatial_information(LineFields& fields) {
+  Information spatial_information(LineFields& fields) {
     Information information;
     for (int row = 0; row < 6; ++row) {
       for (int column = row; column < 6; ++column) {
@@ -113,12 +114,12 @@ class Reader {
         information(column, row) = information(row, column);
       }
     }
-    require_positive(information, fields);
+    make_positive(information, fields);
     return information_from_g2o(information);
   }
 
   // What the plane does not have gets unit information: its errors are zero and stay so.
-  static Information planar_information(LineFields& fields) {
+  Information planar_information(LineFields& fields) {
     Information information = Information::Identity();
     for (int row = 0; row < 3; ++row) {
       for (int column = row; column < 3; ++column) {
@@ -127,18 +128,28 @@ class Reader {
         information(planar_rows[column], planar_rows[row]) = value;
       }
     }
-    require_positive(information, fields);
+    make_positive(information, fields);
     return information;
   }
 
-  static void require_positive(const Information& information, const LineFields& fields) {
+  static bool is_positive(const Information& information) {
     constexpr double rounding = 1e-9;
     const double size = information.cwiseAbs().maxCoeff();
     const Eigen::SelfAdjointEigenSolver<Information> eigen(information, Eigen::EigenvaluesOnly);
-    if (eigen.info() == Eigen::Success && eigen.eigenvalues().minCoeff() >= -rounding * size) {
-      return;
+    return eigen.info() == Eigen::Success && eigen.eigenvalues().minCoeff() >= -rounding * size;
+  }
+
+  void make_positive(Information& information, const LineFields& fields) {
+    if (is_positive(information)) return;
+    if (negative_ == NegativeInformation::drop_coupling) {
+      information.topRightCorner<3, 3>().setZero();
+      information.bottomLeftCorner<3, 3>().setZero();
+      ++file_.couplings_dropped;
+      if (is_positive(information)) return;
     }
-    throw fields.error("the information is negative in some direction");
+    throw fields.error(
+        "the information is negative in some direction; kissmap optimize --drop-coupling keeps its "
+        "translation and rotation blocks if they are not");
   }
 
   Error error_at(std::size_t line, const std::string& message) const {
@@ -193,6 +204,7 @@ class Reader {
   }
 
   const std::filesystem::path& path_;
+  NegativeInformation negative_;
   GraphFile file_;
   std::vector<FileVertex> vertices_;
   std::vector<FileEdge> edges_;
@@ -207,8 +219,8 @@ std::optional<std::uint32_t> node_of(const GraphFile& file, std::int64_t id) {
   return static_cast<std::uint32_t>(place - file.ids.begin());
 }
 
-GraphFile read_g2o(const std::filesystem::path& path) {
-  return Reader(path).read();
+GraphFile read_g2o(const std::filesystem::path& path, NegativeInformation negative) {
+  return Reader(path, negative).read();
 }
 
 }  // namespace kissmap

@@ -11,8 +11,12 @@
 namespace kissmap {
 namespace {
 
-constexpr double mu_growth = 1.4;  // of the paper
-constexpr int max_rechecks = 10;   // of the closures believed, after the last mu
+constexpr double slow_growth = 1.4;  // of mu, as in the paper
+constexpr double fast_growth = 5.0;  // while mu is so small that weights fall as 1 / error anyway
+constexpr double small_mu = 0.05;
+constexpr int first_iterations = 4;  // of the attempt to believe all
+constexpr int inner_iterations = 1;  // for each mu
+constexpr int max_rechecks = 10;     // of the closures believed, after the last mu
 
 /// One optimisation under way.
 class Optimization {
@@ -26,8 +30,8 @@ class Optimization {
   }
 
   PoseGraphSolution run() {
-    solve(options_.max_iterations, options_.min_cost_change);
-    if (options_.robust) refuse_false_closures();
+    if (options_.robust && !can_believe_all()) graduate();
+    settle();
     return solution();
   }
 
@@ -76,18 +80,32 @@ class Optimization {
     return weights_ != before;
   }
 
-  void refuse_false_closures() {
+  /// Whether a few steps bring all closures within the bound; if not, the poses are as before.
+  bool can_believe_all() {
+    solve(std::min(first_iterations, options_.max_iterations), options_.min_cost_change);
+    if (largest_closure() <= bound_) return true;
+    poses_ = graph_.map_from_node;
+    return false;
+  }
+
+  /// From a cost that is convex to truncated least squares, a step for each mu.
+  void graduate() {
     double mu = first_mu(largest_closure(), bound_);
     if (std::isinf(mu)) return;
     while (!weigh(mu)) {
-      solve(inner_iterations, inner_cost_change);
-      mu *= mu_growth;
+      solve(inner_iterations, options_.min_cost_change);
+      mu *= mu < small_mu ? fast_growth : slow_growth;
     }
     decide();
+  }
+
+  /// Solves with full weights, until what is within the bound is what is believed.
+  void settle() {
     for (int i = 0; i < max_rechecks; ++i) {
       solve(options_.max_iterations, options_.min_cost_change);
-      if (!decide()) break;
+      if (!options_.robust || !decide()) return;
     }
+    solve(options_.max_iterations, options_.min_cost_change);
   }
 
   double cost(const std::vector<Rigid3>& poses) const {
@@ -99,9 +117,6 @@ class Optimization {
   PoseGraphSolution solution() const {
     return {poses_, cost(graph_.map_from_node), cost(poses_), iterations_, converged_, weights_};
   }
-
-  static constexpr int inner_iterations = 3;
-  static constexpr double inner_cost_change = 1e-4;
 
   const PoseGraph& graph_;
   const PoseGraphOptions& options_;
@@ -124,6 +139,11 @@ void require_valid(const PoseGraphOptions& options) {
 PoseGraphSolution optimize(const PoseGraph& graph, const PoseGraphOptions& options) {
   require_valid(options);
   require_valid(graph);
+  if (graph.map_from_node.empty()) {
+    PoseGraphSolution nothing;
+    nothing.converged = true;
+    return nothing;
+  }
   return Optimization(graph, options).run();
 }
 

@@ -78,10 +78,10 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
 
 }  // namespace
 
-std::vector<Rigid3> refine_trajectory(std::span<const ScanPlace> scans,
-                                      const std::vector<Rigid3>& map_from_local_map,
-                                      std::span<const Closure> closures,
-                                      std::span<const Closure> neighbors) {
+RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
+                                    const std::vector<Rigid3>& map_from_local_map,
+                                    std::span<const Closure> closures,
+                                    std::span<const Closure> neighbors) {
   const std::vector<Range> ranges = ranges_of(scans, map_from_local_map.size());
   PoseGraph graph;
   for (const ScanPlace& scan : scans) {
@@ -121,7 +121,14 @@ std::vector<Rigid3> refine_trajectory(std::span<const ScanPlace> scans,
   }
   PoseGraphOptions options;
   options.robust = false;
-  return optimize(graph, options).map_from_node;
+  RefinedTrajectory refined{optimize(graph, options).map_from_node, map_from_local_map};
+  for (std::size_t id = 0; id < ranges.size(); ++id) {
+    if (ranges[id].end == 0) continue;
+    const std::uint32_t middle = middle_scan(scans, ranges[id]);
+    refined.map_from_local_map[id] =
+        refined.map_from_lidar[middle] * scans[middle].local_map_from_lidar.inverse();
+  }
+  return refined;
 }
 
 }  // namespace kissmap

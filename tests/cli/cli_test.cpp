@@ -63,7 +63,8 @@ class Cli : public testing::Test {
 
 TEST_F(Cli, VersionAndHelpSucceed) {
   EXPECT_THAT(kissmap({"--version"}).out, HasSubstr("kissmap 0."));
-  for (const std::string command : {"run", "info", "pack", "eval", "formats", "config"}) {
+  for (const std::string command :
+       {"run", "optimize", "info", "pack", "eval", "formats", "config"}) {
     EXPECT_THAT(kissmap({"--help"}).out, HasSubstr(command));
     const ProgramResult help = kissmap({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);

@@ -12,12 +12,17 @@
 
 namespace kissmap {
 
+/// What to do with an edge whose information is negative in some direction, so that no pose is of
+/// least cost: an error, or keep its translation and rotation blocks and drop what couples them.
+enum class NegativeInformation : std::uint8_t { refuse, drop_coupling };
+
 /// A pose graph with the names its file gives to things.
 struct GraphFile {
   PoseGraph graph;
   std::vector<std::int64_t> ids;                 ///< of the nodes, ascending
   bool has_start = false;                        ///< whether the file gives start values
   std::map<std::string, std::uint64_t> skipped;  ///< lines left out, by their unknown tag
+  std::uint64_t couplings_dropped = 0;           ///< edges changed by drop_coupling
 };
 
 /// Index of the node `id`, or nothing.
@@ -29,7 +34,8 @@ std::optional<std::uint32_t> node_of(const GraphFile& file, std::int64_t id);
 /// the nodes are those of the edges, at the identity. Edges between consecutive ids are odometry,
 /// all others closures. Without FIX the node of the lowest id is fixed. Other tags are counted.
 /// Throws Error(input) with file and line for anything else.
-GraphFile read_g2o(const std::filesystem::path& path);
+GraphFile read_g2o(const std::filesystem::path& path,
+                   NegativeInformation negative = NegativeInformation::refuse);
 
 /// Writes the same, in order of the ids and edges; numbers read back exactly (angles of planar
 /// vertices within rounding). Edges of weight 0, if there are `edge_weights`, become comments that

@@ -11,6 +11,12 @@
 
 namespace kissmap {
 
+struct RefinedTrajectory {
+  std::vector<Rigid3> map_from_lidar;      ///< one a scan
+  std::vector<Rigid3> map_from_local_map;  ///< by id: the local map as a rigid body, placed where
+                                           ///< its middle scan is
+};
+
 /// One graph over all scans: the motions the odometry found, the closures, and the registrations of
 /// each local map to the one before. Where METHOD section 4 holds the keyposes and spreads what is
 /// left, this lets all scans move: a closure ties the scans nearest to the place where the two
@@ -22,12 +28,12 @@ namespace kissmap {
 /// degree a metre. Registering surfaces to planes does not, and two local maps that were seen from
 /// stretches shorter than the view show their true relation.
 ///
-/// `scans` as for spread_corrections(). Closures must be accepted ones. Returns map_from_lidar of
-/// every scan; the first stays where it is. Takes time proportional to the number of scans. One
+/// `scans` as for spread_corrections(). Closures must be accepted ones. The first scan stays where
+/// it is. Takes time proportional to the number of scans. One
 /// thread, the same result on every run. Throws Error(input) for ids that are out of range.
-std::vector<Rigid3> refine_trajectory(std::span<const ScanPlace> scans,
-                                      const std::vector<Rigid3>& map_from_local_map,
-                                      std::span<const Closure> closures,
-                                      std::span<const Closure> neighbors);
+RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
+                                    const std::vector<Rigid3>& map_from_local_map,
+                                    std::span<const Closure> closures,
+                                    std::span<const Closure> neighbors);
 
 }  // namespace kissmap
