@@ -94,7 +94,7 @@ const LogFormat& format_of(const std::filesystem::path& path) {
                           " is damaged; give the log it was made from (see 'kissmap info'), or "
                           "make a pack with 'kissmap pack'");
   }
-  std::filesystem::directory_iterator(path, error);
+  const std::filesystem::directory_iterator listing(path, error);
   if (error && error != std::errc::not_a_directory) {
     throw input_error(path, "cannot be listed: " + error.message());
   }

@@ -7,6 +7,7 @@
 
 #include "formats/pictures/canvas.hpp"
 #include "formats/pictures/map_raster.hpp"
+#include "formats/session/correction_tables.hpp"
 #include "formats/session/session_tables.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/pictures.hpp"
@@ -22,6 +23,8 @@ const Colour background(0.04F, 0.05F, 0.09F);
 const Colour trajectory_colour(1.00F, 0.27F, 0.60F);
 const Colour start_colour(0.20F, 0.90F, 0.35F);
 const Colour end_colour(0.95F, 0.16F, 0.13F);
+const Colour accepted_colour(0.35F, 1.00F, 0.45F);
+const Colour refused_colour(0.80F, 0.22F, 0.18F);
 const Colour ink(0.95F, 0.95F, 0.97F);
 
 // Low to high: blue, cyan, green, yellow. All of about the same lightness, which is left to tell
@@ -92,6 +95,26 @@ void paint_trajectory(Canvas& canvas,
   paint_marker(line.back(), 6.0F, end_colour);
 }
 
+// Lines between the keyposes of pairs that were taken for one place.
+void paint_closures(Canvas& canvas,
+                    const MapView& view,
+                    const std::vector<LocalMap>& local_maps,
+                    const std::vector<Closure>& closures) {
+  const float half_width =
+      std::max(0.7F, static_cast<float>(std::max(view.width, view.height)) / 1600.0F);
+  for (const bool accepted : {false, true}) {  // accepted ones on top
+    for (const Closure& closure : closures) {
+      if ((closure.verdict == ClosureVerdict::accepted) != accepted) continue;
+      const auto pixel = [&](std::uint32_t id) {
+        return view.pixel_from_map(local_maps[id].map_from_local_map.translation.head<2>());
+      };
+      canvas.draw_line({pixel(closure.query_id), pixel(closure.reference_id)},
+                       accepted ? half_width : 0.5F * half_width,
+                       accepted ? accepted_colour : refused_colour);
+    }
+  }
+}
+
 // The largest of 1, 2, 5, 10, 20, ... (or 0.1, 0.2, ...) that is not above `length`.
 double round_length(double length) {
   const double decade = std::pow(10.0, std::floor(std::log10(length)));
@@ -138,6 +161,7 @@ Picture draw_map_from_above(const std::filesystem::path& session_folder, int max
   Canvas canvas(view.width, view.height, background);
   paint_map(canvas, view, draw_surfels(session_folder, local_maps, view));
   paint_trajectory(canvas, view, trajectory);
+  paint_closures(canvas, view, local_maps, read_closures(session_folder, local_maps.size()));
   paint_scale_bar(canvas, view.pixel_size);
   return canvas.picture();
 }

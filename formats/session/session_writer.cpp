@@ -49,7 +49,7 @@ Error busy(const std::filesystem::path& partial) {
 
 std::filesystem::path prepare_partial(const std::filesystem::path& path, bool overwrite) {
   require_writable_target(path, overwrite);
-  const std::filesystem::path partial = aside(path);
+  std::filesystem::path partial = aside(path);
   if (!FolderLock(partial).take()) throw busy(partial);
   create_partial_folder(partial);
   return partial;

@@ -174,8 +174,9 @@ std::optional<std::int64_t> nanoseconds_from_date(std::string_view text) {
                             day(static_cast<unsigned>(number(8, 2)))};
   if (!date.ok() || number(0, 4) < 1970 || number(0, 4) > 2200) return std::nullopt;
   if (number(11, 2) > 23 || number(14, 2) > 59 || number(17, 2) > 60) return std::nullopt;
-  const auto seconds = sys_seconds(sys_days(date)).time_since_epoch().count() +
-                       number(11, 2) * 3600 + number(14, 2) * 60 + number(17, 2);
+  const sys_seconds instant = sys_seconds(sys_days(date)) + hours(number(11, 2)) +
+                              minutes(number(14, 2)) + std::chrono::seconds(number(17, 2));
+  const auto seconds = instant.time_since_epoch().count();
   const std::string_view fraction = text.substr(shape.size());
   if (!fraction.empty() && !fraction.starts_with('.')) return std::nullopt;
   const auto ns = fraction.size() < 2 ? 0 : nanoseconds_from_seconds(fraction);

@@ -143,6 +143,10 @@ TEST_F(Cli, RunLeavesACompleteSession) {
                            "scans.csv",
                            "local_maps.csv",
                            "local_maps/000000.ply",
+                           "keyposes.csv",
+                           "poses.csv",
+                           "closures.csv",
+                           "pose_graph.g2o",
                            "trajectory.tum",
                            "trajectory_kitti.txt",
                            "map.png"}) {
@@ -158,6 +162,13 @@ TEST_F(Cli, RunLeavesACompleteSession) {
   }
   EXPECT_EQ(stamp, "1700000001.100000000");
   EXPECT_NEAR(x, Gallery::map_from_lidar(11).translation.x(), 0.1);
+}
+
+TEST_F(Cli, RunLeavesLoopsOpenIfAsked) {
+  ASSERT_EQ(run(small_log(), {"--no-loop-closing"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(path("session") / "closures.csv"));
+  EXPECT_FALSE(fs::exists(path("session") / "poses.csv"));
+  EXPECT_THAT(file_text(path("session") / "config.toml"), HasSubstr("loop_closing = false"));
 }
 
 TEST_F(Cli, SameBytesForEveryRunAndAnyNumberOfThreads) {

@@ -90,9 +90,9 @@ TEST_F(DamagedSession, MissingFilesAreNamed) {
 }
 
 TEST_F(DamagedSession, AnotherFormatVersionIsRefusedWithTheCure) {
-  for (const char* version : {"2", "4294967297", "0"}) {
+  for (const char* version : {"3", "4294967297", "1", "0"}) {
     with_replaced("session.json",
-                  "\"format_version\": 1",
+                  "\"format_version\": 2",
                   std::string("\"format_version\": ") + version,
                   [&] {
                     EXPECT_THAT(

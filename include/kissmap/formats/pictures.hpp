@@ -20,7 +20,8 @@ struct Picture {
 void write_png(const Picture& picture, const std::filesystem::path& path);
 
 /// The map of a session from above, x to the right and y up, coloured by height, with the
-/// trajectory, its start and end, and a scale bar in metres. Reads the local maps one by one.
+/// trajectory, its start and end, closures between keyposes (accepted green, refused red), and a
+/// scale bar in metres. Reads the local maps one by one.
 /// The longer side has at most `max_pixels` pixels.
 Picture draw_map_from_above(const std::filesystem::path& session_folder, int max_pixels = 2000);
 

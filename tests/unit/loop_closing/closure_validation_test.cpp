@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/loop_closing/closure_validation.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/block_world.hpp"
+#include "support/matchers.hpp"
+
+namespace kissmap {
+namespace {
+
+/// A bare corridor along x: two walls and a floor, without doors.
+std::vector<Eigen::Vector3f> corridor(float from, float to) {
+  std::vector<Eigen::Vector3f> points;
+  for (float x = from; x < to; x += 0.12F) {
+    for (float s = 0.0F; s < 2.5F; s += 0.12F) {
+      points.emplace_back(x, -1.0F, s);
+      points.emplace_back(x, 1.3F, s);
+      if (s < 2.3F) points.emplace_back(x, s - 1.0F, 0.0F);
+    }
+  }
+  return points;
+}
+
+TEST(SurfelRegistration, RecoversAKnownMotion) {
+  const auto world = block_world(2);
+  const SurfelReference reference(surfels_of(world), 0.5);
+  for (const double yaw : {0.0, 40.0, 175.0}) {
+    const Rigid3 reference_from_query = planar_motion(5.0, -3.0, yaw);
+    const SurfelCloud query = surfels_of(moved(reference_from_query.inverse(), world));
+    const Rigid3 guess = reference_from_query * planar_motion(0.7, -0.5, 2.0);
+    const SurfelAlignment alignment = register_surfels(query, reference, guess);
+    EXPECT_TRUE(alignment.converged);
+    EXPECT_THAT(alignment.reference_from_query, PoseNear(reference_from_query, 0.05, 0.002));
+    EXPECT_LT(alignment.residual_after, alignment.residual_before);
+  }
+}
+
+TEST(SurfelRegistration, SaysWhenItHasNothingToHoldOn) {
+  const SurfelReference reference(surfels_of(block_world(2)), 0.5);
+  EXPECT_FALSE(register_surfels(SurfelCloud{}, reference, Rigid3{}).converged);
+  Rigid3 far_away;
+  far_away.translation.x() = 1000.0;
+  EXPECT_FALSE(register_surfels(surfels_of(block_world(3)), reference, far_away).converged);
+}
+
+TEST(Overlap, IsOneForTheSameMapAndNoneApart) {
+  const SurfelCloud surfels = surfels_of(block_world(4));
+  const SurfelMap map(surfels, 0.5);
+  EXPECT_EQ(overlap(surfels, map, Rigid3{}), 1.0);
+  Rigid3 apart;
+  apart.translation.x() = 500.0;
+  EXPECT_EQ(overlap(surfels, map, apart), 0.0);
+  EXPECT_EQ(overlap(SurfelCloud{}, map, Rigid3{}), 0.0);
+}
+
+TEST(Overlap, CountsTheSmallerMap) {
+  const auto world = block_world(5);
+  std::vector<Eigen::Vector3f> part;
+  std::ranges::copy_if(
+      world, std::back_inserter(part), [](const Eigen::Vector3f& p) { return p.x() > 0.0F; });
+  EXPECT_GT(overlap(surfels_of(part), SurfelMap(surfels_of(world), 0.5), Rigid3{}), 0.98);
+  EXPECT_GT(overlap(surfels_of(world), SurfelMap(surfels_of(part), 0.5), Rigid3{}), 0.98);
+}
+
+TEST(ClosureValidation, AcceptsTheTruePlace) {
+  const auto world = block_world(6);
+  const Rigid3 truth = planar_motion(-6.0, 2.0, 100.0);
+  const Closure closure = validate_closure(surfels_of(moved(truth.inverse(), world)),
+                                           SurfelReference(surfels_of(world), 0.5),
+                                           truth * planar_motion(0.4, 0.3, 1.0),
+                                           {});
+  EXPECT_EQ(closure.verdict, ClosureVerdict::accepted);
+  EXPECT_THAT(closure.reference_from_query, PoseNear(truth, 0.05, 0.002));
+  EXPECT_GT(closure.wall_agreement, 0.7);
+  // A closure that is sure of itself: symmetric, positive information.
+  EXPECT_EQ(closure.information, closure.information.transpose());
+  EXPECT_EQ(closure.information.llt().info(), Eigen::Success);
+}
+
+TEST(ClosureValidation, RefusesAnotherPlaceWhoseGroundFits) {
+  const Closure closure = validate_closure(
+      surfels_of(block_world(7)), SurfelReference(surfels_of(block_world(8)), 0.5), Rigid3{}, {});
+  EXPECT_NE(closure.verdict, ClosureVerdict::accepted);
+}
+
+TEST(ClosureValidation, RefusesACorridorThatLooksTheSameEverywhere) {
+  const Rigid3 somewhere = Rigid3{Eigen::Quaterniond::Identity(), {7.0, 0.0, 0.0}};
+  const Closure closure =
+      validate_closure(surfels_of(corridor(-20.0F, 20.0F)),
+                       SurfelReference(surfels_of(corridor(-30.0F, 30.0F)), 0.5),
+                       somewhere,
+                       {});
+  EXPECT_EQ(closure.verdict, ClosureVerdict::unobservable);
+}
+
+}  // namespace
+}  // namespace kissmap
