@@ -99,6 +99,7 @@ ceres::Solver::Options solver_options(const LeastSquaresLimits& limits) {
   options.function_tolerance = limits.min_cost_change;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-14;
+  options.initial_trust_region_radius = 1e8;  // almost Gauss-Newton until a step fails
   options.logging_type = ceres::SILENT;
   return options;
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr double slow_growth = 1.4;  // of mu, as in the paper
 constexpr double fast_growth = 5.0;  // while mu is so small that weights fall as 1 / error anyway
 constexpr double small_mu = 0.05;
-constexpr int first_iterations = 4;  // of the attempt to believe all
+constexpr int first_iterations = 3;  // of the attempt to believe all
 constexpr int inner_iterations = 1;  // for each mu
 constexpr int max_rechecks = 10;     // of the closures believed, after the last mu
 
