@@ -134,7 +134,10 @@ Closure validate_closure(const SurfelCloud& query,
   closure.residual_after = alignment.residual_after;
   closure.reference_from_query = alignment.reference_from_query;
   if (!alignment.converged) {
-    closure.verdict = ClosureVerdict::no_convergence;
+    // Along an open direction a registration may slide for ever.
+    closure.verdict = alignment.pairs > 0 && observability(alignment) < options.min_observability
+                          ? ClosureVerdict::unobservable
+                          : ClosureVerdict::no_convergence;
     return closure;
   }
   const Overlay laid = overlay(query, reference.fine(), alignment.reference_from_query);

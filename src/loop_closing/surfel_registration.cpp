@@ -19,6 +19,7 @@ constexpr double min_rotation = 1e-4;     // rad
 constexpr float min_normal_agreement = 0.7F;
 constexpr double coarseness = 3.0;      // coarse voxel over fine voxel
 constexpr double residual_scale = 0.3;  // of a voxel, of the kernel
+constexpr double damping = 1e-3;
 constexpr int min_pairs = 20;
 
 struct Sums {
@@ -93,8 +94,10 @@ void refine(const SurfelCloud& samples,
     if (alignment.iterations == 0) alignment.residual_before = alignment.residual_after;
     if (sums.pairs < min_pairs) return;
     ++alignment.iterations;
+    // Keeps steps short along directions that nothing binds, as along a bare corridor.
     Eigen::Matrix<double, 6, 6> damped = sums.hessian;
-    damped.diagonal() *= 1.0 + 1e-6;
+    damped.diagonal().head<3>().array() += damping * sums.hessian.diagonal().head<3>().mean();
+    damped.diagonal().tail<3>().array() += damping * sums.hessian.diagonal().tail<3>().mean();
     const Twist step = damped.ldlt().solve(-sums.gradient);
     if (!step.allFinite()) return;
     alignment.reference_from_query = alignment.reference_from_query * exp(step);

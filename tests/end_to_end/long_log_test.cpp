@@ -69,7 +69,8 @@ TEST(LongLog, MemoryAndTimePerScanStayFlat) {
   session.finish(manifest);
 
   EXPECT_LT(peak_mebibytes(), 1024.0);
-  EXPECT_LT(peak_mebibytes(), 1.05 * settled_memory) << "memory grows with the log";
+  // Local maps differ in size. Half a kilobyte a scan kept in 20,000 scans would be more than this.
+  EXPECT_LT(peak_mebibytes(), settled_memory + 4.0) << "memory grows with the log";
   // Medians of the second and the last fifth: a law of the algorithm (no growth), with room for a
   // noisy machine.
   const auto fifth_median = [&](std::size_t fifth) {
