@@ -24,7 +24,7 @@ void require_output(const OptimizeCommand& command) {
 
 /// What the start values come from; replaces them.
 std::string set_start(const std::string& wanted, GraphFile& file) {
-  const std::string start = !wanted.empty() ? wanted : file.has_start ? "file" : "tree";
+  std::string start = !wanted.empty() ? wanted : file.has_start ? "file" : "tree";
   if (start == "file" && !file.has_start) {
     throw usage_error("--start file: the graph has no vertices; use tree or chordal");
   }

@@ -25,7 +25,7 @@ Rigid3 disagreement(const Rigid3& from_from_to, const Rigid3& from_from_to_now) 
 }
 
 Vector3d rotation_error(const Quaterniond& q, GraphSpace space) {
-  const Vector3d chord = 2.0 * q.vec();
+  Vector3d chord = 2.0 * q.vec();
   if (space == GraphSpace::spatial) return chord;
   const double sine = q.vec().norm();
   return sine < 1e-12 ? chord : Vector3d(std::atan2(sine, q.w()) / sine * chord);

@@ -112,6 +112,7 @@ Eigen::Quaterniond nearest_rotation(const Matrix3d& m, GraphSpace space) {
 // The transposes R^T are the unknowns: R_to = R_from R_edge reads R_to^T = R_edge^T R_from^T.
 void set_chordal_rotations(const PoseGraph& graph, std::vector<Rigid3>& poses) {
   std::vector<MatrixXd> known;
+  known.reserve(poses.size());
   for (const Rigid3& pose : poses) {
     known.emplace_back(pose.rotation.conjugate().toRotationMatrix());
   }
@@ -131,6 +132,7 @@ void set_chordal_rotations(const PoseGraph& graph, std::vector<Rigid3>& poses) {
 
 void set_translations(const PoseGraph& graph, std::vector<Rigid3>& poses) {
   std::vector<MatrixXd> known;
+  known.reserve(poses.size());
   for (const Rigid3& pose : poses) known.emplace_back(pose.translation.transpose());
   BlockLeastSquares system(1, is_fixed(graph), std::move(known));
   for (const PoseGraphEdge& edge : graph.edges) {

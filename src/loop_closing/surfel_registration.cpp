@@ -26,6 +26,7 @@ struct Sums {
   Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
   Twist gradient = Twist::Zero();
   double squares = 0.0;  // unweighted, of pairs within the kernel's reach
+  double weights = 0.0;
   int pairs = 0;
 };
 
@@ -70,6 +71,7 @@ Sums accumulate(const SurfelCloud& samples,
     sums.hessian += weight * jacobian * jacobian.transpose();
     sums.gradient += weight * residual * jacobian;
     sums.squares += residual * residual;
+    sums.weights += weight;
     ++sums.pairs;
   }
   return sums;
@@ -171,8 +173,16 @@ SurfelAlignment register_surfels(const SurfelCloud& query,
   const SurfelCloud samples = sample(query);
   alignment.samples = static_cast<int>(samples.size());
   const double voxel = reference.fine().voxel_size();
+  const double reach = std::numbers::sqrt3 * voxel;
   refine(samples, reference.coarse(), coarseness * voxel, max_iterations_coarse, alignment);
-  refine(samples, reference.fine(), std::numbers::sqrt3 * voxel, max_iterations_fine, alignment);
+  // In narrow places coarse pairs join opposite walls: a guess that fits better is kept.
+  const auto fit = [&](const Rigid3& reference_from_query) {
+    return accumulate(samples, reference.fine(), reference_from_query, reach).weights;
+  };
+  if (fit(guess_reference_from_query) > fit(alignment.reference_from_query)) {
+    alignment.reference_from_query = guess_reference_from_query;
+  }
+  refine(samples, reference.fine(), reach, max_iterations_fine, alignment);
   return alignment;
 }
 
