@@ -12,11 +12,11 @@ namespace {
 /// A bare corridor along x: two walls and a floor, without doors.
 std::vector<Eigen::Vector3f> corridor(float from, float to) {
   std::vector<Eigen::Vector3f> points;
-  for (float x = from; x < to; x += 0.12F) {
-    for (float s = 0.0F; s < 2.5F; s += 0.12F) {
-      points.emplace_back(x, -1.0F, s);
-      points.emplace_back(x, 1.3F, s);
-      if (s < 2.3F) points.emplace_back(x, s - 1.0F, 0.0F);
+  for (float x = from; x < to; x += 0.17F) {
+    for (float s = 0.03F; s < 2.5F; s += 0.17F) {
+      points.emplace_back(x, -0.93F, s);
+      points.emplace_back(x, 1.21F, s);
+      if (s < 2.1F) points.emplace_back(x, s - 0.93F, 0.03F);
     }
   }
   return points;
