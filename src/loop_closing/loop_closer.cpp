@@ -12,7 +12,8 @@ namespace {
 
 constexpr double outline_voxels = 6.0;  // outline voxel over local map voxel
 constexpr double min_outline_overlap = 0.3;
-constexpr double min_neighbor_overlap = 0.2;
+// Openings see each other from afar and share few voxels; drift bounds where they can lie.
+constexpr ClosureValidationOptions neighbor_validation{0.05, 0.45, 0.01};
 constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
 constexpr int max_rounds = 5;
 constexpr double new_guess = 1.0;  // m; a guess this far from one tried is another
@@ -73,23 +74,24 @@ void LoopCloser::add(const LocalMap& local_map) {
 }
 
 void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
-  if (latest_) {
+  if (latest_opening_) {
     const std::uint32_t neighbor = local_map.id - 1;
     const Rigid3 guess = odometry_.back().from_from_to;
-    Closure closure =
-        validate_closure(local_map.surfels, *latest_, guess, {min_neighbor_overlap, 0.0, 0.0});
-    closure.query_id = local_map.id;
-    closure.reference_id = neighbor;
-    closure.source = ClosureSource::trajectory;
-    const Rigid3 off = guess.inverse() * closure.reference_from_query;
+    const Closure found =
+        validate_closure(local_map.opening, *latest_opening_, guess, neighbor_validation);
+    const Rigid3 off = guess.inverse() * found.reference_from_query;
     const double length = path_lengths_[neighbor];
-    if (closure.verdict == ClosureVerdict::accepted &&
+    if (found.verdict == ClosureVerdict::accepted &&
         off.translation.norm() <= max_drift_translation(length) &&
         off.angle() <= max_drift_rotation(length)) {
-      neighbors_.push_back(closure);
+      neighbors_.push_back({neighbor,
+                            found.reference_from_query,
+                            latest_opening_scans_ / 2,
+                            local_map.opening_scans / 2});
     }
   }
-  latest_.emplace(local_map.surfels, voxel_size_);
+  latest_opening_.emplace(local_map.opening, voxel_size_);
+  latest_opening_scans_ = local_map.opening_scans;
 }
 
 bool LoopCloser::consider(const SurfelCloud& query,

@@ -81,7 +81,7 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
 RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
                                     const std::vector<Rigid3>& map_from_local_map,
                                     std::span<const Closure> closures,
-                                    std::span<const Closure> neighbors) {
+                                    std::span<const NeighborLink> neighbors) {
   const std::vector<Range> ranges = ranges_of(scans, map_from_local_map.size());
   PoseGraph graph;
   for (const ScanPlace& scan : scans) {
@@ -111,11 +111,19 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
         closure.reference_from_query,
         closure_rotation));
   }
-  for (const Closure& neighbor : neighbors) {
-    if (!holds_scans(neighbor)) throw input_error("neighbors", "a local map has no scans");
+  for (const NeighborLink& neighbor : neighbors) {
+    if (neighbor.reference_id + 1 >= ranges.size()) {
+      throw input_error("neighbors", "a local map has no scans");
+    }
+    const Range& reference = ranges[neighbor.reference_id];
+    const Range& query = ranges[neighbor.reference_id + 1];
+    if (reference.first + neighbor.reference_scan >= reference.end ||
+        query.first + neighbor.query_scan >= query.end) {
+      throw input_error("neighbors", "a local map has fewer scans");
+    }
     graph.edges.push_back(link(scans,
-                               middle_scan(scans, ranges[neighbor.reference_id]),
-                               middle_scan(scans, ranges[neighbor.query_id]),
+                               reference.first + neighbor.reference_scan,
+                               query.first + neighbor.query_scan,
                                neighbor.reference_from_query,
                                neighbor_rotation));
   }

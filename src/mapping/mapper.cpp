@@ -33,6 +33,9 @@ const char* to_string(ScanRefusal refusal) {
 
 namespace {
 
+constexpr double opening_ranges = 1.0 / 3.0;
+constexpr double shortest_opening = 3.0;     // m
+constexpr double longest_opening = 10.0;     // m
 constexpr double path_step = 0.5;            // m
 constexpr double shortest_local_map = 10.0;  // m
 
@@ -54,6 +57,7 @@ Mapper::Mapper(const OdometryOptions& odometry,
     : odometry_(odometry, pool),
       splitting_rule_(std::move(splitting_rule)),
       grid_((require_valid(local_maps), local_maps.voxel_size), local_maps.max_points_per_voxel),
+      opening_grid_(local_maps.voxel_size, local_maps.max_points_per_voxel),
       frame_reach_(local_maps.splitting_distance) {
   if (!splitting_rule_) {
     splitting_rule_ = split_by_range(std::min(shortest_local_map, local_maps.splitting_distance),
@@ -67,7 +71,7 @@ MapperStep Mapper::add(const Scan& scan) {
   if (!registered) return {ScanRefusal::no_points, std::nullopt};
   last_stamp_ = scan.stamp_ns;
   MapperStep step{place(scan, *registered), std::nullopt};
-  fill_grid(registered->map_points);
+  fill_grids(registered->map_points);
   if (splitting_rule_(progress_)) step.closed = close(LocalMapEnd::split);
   return step;
 }
@@ -83,7 +87,14 @@ std::optional<ScanRefusal> Mapper::check_stamp(const Scan& scan) const {
                                        : ScanRefusal::stamp_out_of_order;
 }
 
-void Mapper::fill_grid(std::span<const Eigen::Vector3f> points_in_frame) {
+bool Mapper::still_opening() const {
+  const double length =
+      std::clamp(opening_ranges * progress_.mean_range, shortest_opening, longest_opening);
+  // Only scans in a row: who comes back to the keypose brings drift along.
+  return opening_scans_ + 1 == progress_.scan_count && progress_.displacement < length;
+}
+
+void Mapper::fill_grids(std::span<const Eigen::Vector3f> points_in_frame) {
   const Rigid3 local_map_from_frame = frame_from_local_map_.inverse();
   const Eigen::Matrix3f rotation = local_map_from_frame.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = local_map_from_frame.translation.cast<float>();
@@ -92,6 +103,9 @@ void Mapper::fill_grid(std::span<const Eigen::Vector3f> points_in_frame) {
     grid_points_.emplace_back(rotation * point + translation);
   }
   grid_.add(grid_points_);
+  if (!still_opening()) return;
+  opening_grid_.add(grid_points_);
+  ++opening_scans_;
 }
 
 MappedScan Mapper::place(const Scan& scan, const RegisteredScan& registered) {
@@ -137,6 +151,8 @@ LocalMap Mapper::close(LocalMapEnd end) {
   local_map.map_from_local_map = map_from_local_map_;
   local_map.surfels = surfels_from_grid(grid_);
   local_map.points = grid_.points();
+  local_map.opening = surfels_from_grid(opening_grid_);
+  local_map.opening_scans = opening_scans_;
   local_map.scan_count = progress_.scan_count;
   local_map.path_length = path_length_;
   local_map.displacement = progress_.displacement;
@@ -153,6 +169,8 @@ LocalMap Mapper::close(LocalMapEnd end) {
   last_corner_.setZero();
   ++local_map_id_;
   grid_.clear();
+  opening_grid_.clear();
+  opening_scans_ = 0;
   // Odometry keeps its frame for as long as it is near: putting its map into other voxels costs
   // points, and where local maps are split should not change the trajectory.
   frame_from_local_map_ = frame_from_last_;

@@ -47,4 +47,12 @@ struct Closure {
   Eigen::Vector3d center_in_query = Eigen::Vector3d::Zero();
 };
 
+/// Two local maps in a row, the openings of which were registered to each other.
+struct NeighborLink {
+  std::uint32_t reference_id = 0;    ///< the query is the next one
+  Rigid3 reference_from_query;       ///< between the keyposes
+  std::uint32_t reference_scan = 0;  ///< middle scan of the opening, counted in its local map
+  std::uint32_t query_scan = 0;
+};
+
 }  // namespace kissmap

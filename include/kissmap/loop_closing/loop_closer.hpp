@@ -54,7 +54,7 @@ class LoopCloser {
   const std::vector<Closure>& closures() const { return closures_; }
 
   /// Registrations of local maps to the ones just before them that hold, in order of the query.
-  const std::vector<Closure>& neighbors() const { return neighbors_; }
+  const std::vector<NeighborLink>& neighbors() const { return neighbors_; }
 
   /// Keyposes by id, corrected; the first is the identity.
   const std::vector<Rigid3>& map_from_local_map() const { return map_from_local_map_; }
@@ -88,10 +88,11 @@ class LoopCloser {
   std::vector<double> path_lengths_;     ///< m, of each local map
   Rigid3 odometry_keypose_;              ///< of the latest local map, as the mapper gave it
   std::vector<Closure> closures_;
-  std::vector<Closure> neighbors_;
-  std::optional<SurfelReference> latest_;  ///< surfels of the latest local map
-  std::vector<MapOutline> outlines_;       ///< by id
-  std::map<Pair, Rigid3> tried_;           ///< along the trajectory, with the guess
+  std::vector<NeighborLink> neighbors_;
+  std::optional<SurfelReference> latest_opening_;
+  std::uint32_t latest_opening_scans_ = 0;
+  std::vector<MapOutline> outlines_;  ///< by id
+  std::map<Pair, Rigid3> tried_;      ///< along the trajectory, with the guess
 };
 
 }  // namespace kissmap

@@ -25,8 +25,8 @@ struct RefinedTrajectory {
 ///
 /// Why neighbours: the odometry matches points to points. Rings of a spinning sensor slide over
 /// walls as it moves, and pull it upwards on the walls ahead: it pitches by some hundredths of a
-/// degree a metre. Registering surfaces to planes does not, and two local maps that were seen from
-/// stretches shorter than the view show their true relation.
+/// degree a metre. Registering surfaces to planes does not, and what was seen from a stretch much
+/// shorter than the view is not bent itself.
 ///
 /// `scans` as for spread_corrections(). Closures must be accepted ones. The first scan stays where
 /// it is. Takes time proportional to the number of scans. One
@@ -34,6 +34,6 @@ struct RefinedTrajectory {
 RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
                                     const std::vector<Rigid3>& map_from_local_map,
                                     std::span<const Closure> closures,
-                                    std::span<const Closure> neighbors);
+                                    std::span<const NeighborLink> neighbors);
 
 }  // namespace kissmap

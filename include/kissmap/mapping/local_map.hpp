@@ -27,9 +27,13 @@ struct LocalMap {
   Rigid3 map_from_local_map;            ///< the keypose
   SurfelCloud surfels;                  ///< local_map frame
   std::vector<Eigen::Vector3f> points;  ///< all of its grid, local_map frame [m]; not stored
-  std::uint64_t scan_count = 0;         ///< scans whose pose is relative to this keypose
-  double path_length = 0.0;             ///< m, sum of the motions between its scans
-  double displacement = 0.0;            ///< m, last scan from the keypose
+  /// Surfels of its first few scans alone, a third of a mean range or so: too short a stretch to be
+  /// bent by drift. Same frame; not stored.
+  SurfelCloud opening;
+  std::uint32_t opening_scans = 0;
+  std::uint64_t scan_count = 0;  ///< scans whose pose is relative to this keypose
+  double path_length = 0.0;      ///< m, sum of the motions between its scans
+  double displacement = 0.0;     ///< m, last scan from the keypose
   LocalMapEnd end = LocalMapEnd::split;
 };
 

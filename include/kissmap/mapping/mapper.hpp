@@ -61,12 +61,15 @@ class Mapper {
  private:
   std::optional<ScanRefusal> check_stamp(const Scan& scan) const;
   MappedScan place(const Scan& scan, const RegisteredScan& registered);
-  void fill_grid(std::span<const Eigen::Vector3f> points_in_frame);
+  bool still_opening() const;
+  void fill_grids(std::span<const Eigen::Vector3f> points_in_frame);
   LocalMap close(LocalMapEnd end);
 
   Odometry odometry_;
   SplittingRule splitting_rule_;
-  VoxelHashMap grid_;   ///< of the open local map, in its frame
+  VoxelHashMap grid_;  ///< of the open local map, in its frame
+  VoxelHashMap opening_grid_;
+  std::uint32_t opening_scans_ = 0;
   double frame_reach_;  ///< m; a local map closed farther away makes odometry restart its frame
   std::vector<Eigen::Vector3f> grid_points_;
   Rigid3 frame_from_local_map_;  ///< frame: that of the odometry
