@@ -162,8 +162,7 @@ class Reader {
       for (const FileEdge& edge : edges_) file_.ids.insert(file_.ids.end(), {edge.from, edge.to});
     }
     std::ranges::sort(file_.ids);
-    const auto repeated = std::ranges::unique(file_.ids);
-    file_.ids.erase(repeated.begin(), repeated.end());
+    file_.ids.erase(std::unique(file_.ids.begin(), file_.ids.end()), file_.ids.end());
     if (file_.ids.empty()) {
       throw input_error(path_, "holds no vertex and no edge of a pose graph (SE2 or SE3:QUAT)");
     }

@@ -158,7 +158,7 @@ Rigid3 CorrectedPoses::next(std::uint64_t log_index) {
   if (table_.unsigned_integer() != log_index) {
     throw table_.error("is not the log_index of the same row of " + std::string(scans_file_name));
   }
-  const Rigid3 pose = table_.pose();
+  Rigid3 pose = table_.pose();
   table_.end_row();
   return pose;
 }

@@ -57,7 +57,7 @@ double number(std::string_view field) {
 }
 
 Eigen::Vector3d position(std::span<const std::string_view> fields) {
-  const Eigen::Vector3d p(number(fields[0]), number(fields[1]), number(fields[2]));
+  Eigen::Vector3d p(number(fields[0]), number(fields[1]), number(fields[2]));
   if (p.cwiseAbs().maxCoeff() > max_coordinate) {
     throw std::invalid_argument("a position beyond 1e9 m; are the columns in order?");
   }

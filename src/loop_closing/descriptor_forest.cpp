@@ -106,8 +106,10 @@ std::vector<DescriptorForest::Match> DescriptorForest::search(const Descriptor& 
     return a.distance != b.distance ? a.distance < b.distance : a.entry.feature < b.entry.feature;
   });
   const auto repeated =
-      std::ranges::unique(matches, {}, [](const Match& match) { return match.entry.place; });
-  matches.erase(repeated.begin(), repeated.end());
+      std::unique(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+        return a.entry.place == b.entry.place;
+      });
+  matches.erase(repeated, matches.end());
   return matches;
 }
 

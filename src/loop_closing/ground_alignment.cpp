@@ -44,6 +44,7 @@ std::optional<Plane> fit(const std::vector<Eigen::Vector3d>& samples) {
   double reach = first_reach;
   // The start is the height most samples agree on, as the sensor's own height is not known.
   std::vector<double> heights;
+  heights.reserve(samples.size());
   for (const Eigen::Vector3d& sample : samples) heights.push_back(sample.z());
   const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
   std::ranges::nth_element(heights, middle);

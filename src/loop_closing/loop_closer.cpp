@@ -195,6 +195,7 @@ std::vector<std::uint32_t> LoopCloser::overlapping(std::uint32_t query_id) const
   std::ranges::sort(overlaps);
   if (overlaps.size() > looks_per_local_map) overlaps.resize(looks_per_local_map);
   std::vector<std::uint32_t> ids;
+  ids.reserve(overlaps.size());
   for (const auto& [overlap, id] : overlaps) ids.push_back(id);
   return ids;
 }
