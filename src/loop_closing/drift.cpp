@@ -76,6 +76,11 @@ double max_drift_rotation(double length) {
   return most_rotation_first + most_rotation * std::sqrt(length);
 }
 
+bool within_drift(const Rigid3& off, double length) {
+  return off.translation.norm() <= max_drift_translation(length) &&
+         off.angle() <= max_drift_rotation(length);
+}
+
 Information odometry_information(double length) {
   const double path = std::max(least_length, length);
   Information information = Information::Zero();

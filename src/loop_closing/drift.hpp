@@ -19,4 +19,7 @@ double drift_length(const PoseGraph& graph,
 double max_drift_translation(double length);  ///< m
 double max_drift_rotation(double length);     ///< rad
 
+/// Whether odometry that holds can be off by this motion after such a path.
+bool within_drift(const Rigid3& off, double length);
+
 }  // namespace kissmap

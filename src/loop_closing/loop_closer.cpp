@@ -81,9 +81,7 @@ void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
         validate_closure(local_map.opening, *latest_opening_, guess, neighbor_validation);
     const Rigid3 off = guess.inverse() * found.reference_from_query;
     const double length = path_lengths_[neighbor];
-    if (found.verdict == ClosureVerdict::accepted &&
-        off.translation.norm() <= max_drift_translation(length) &&
-        off.angle() <= max_drift_rotation(length)) {
+    if (found.verdict == ClosureVerdict::accepted && kissmap::within_drift(off, length)) {
       neighbors_.push_back({neighbor,
                             found.reference_from_query,
                             latest_opening_scans_ / 2,
@@ -123,8 +121,7 @@ bool LoopCloser::within_drift(const Closure& closure) const {
   const Rigid3 off = expected.inverse() * closure.reference_from_query;
   const double length =
       drift_length(graph(), path_lengths_, closure.reference_id, closure.query_id);
-  return off.translation.norm() <= max_drift_translation(length) &&
-         off.angle() <= max_drift_rotation(length);
+  return kissmap::within_drift(off, length);
 }
 
 PoseGraph LoopCloser::graph() const {

@@ -90,7 +90,7 @@ struct Session {
   std::vector<Closure> closures;     ///< candidates, accepted or not; information left out
 };
 
-/// Writes a session as the scans come; memory does not grow with the log. All goes to
+/// Writes a session as the scans come; memory grows by 8 bytes a scan. All goes to
 /// PATH.partial, which gets its name in finish(). Destroyed without finish(), PATH.partial stays
 /// for inspection. Not thread safe. Every member throws Error(output) naming the file.
 class SessionWriter {
