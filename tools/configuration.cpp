@@ -128,7 +128,7 @@ std::vector<Setting> odometry_settings(OdometryOptions& odometry) {
       {"odometry",
        "voxel_size",
        "m",
-       "of the odometry's map; 0: max_range / 100",
+       "of the odometry's map; 0: max_range / 100, half or a quarter of it in narrow places",
        &odometry.voxel_size},
       {"odometry",
        "deskew",

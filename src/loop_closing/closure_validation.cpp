@@ -147,10 +147,10 @@ Closure validate_closure(const SurfelCloud& query,
   closure.information = information_of(closure);
   if (closure.overlap < options.min_overlap) {
     closure.verdict = ClosureVerdict::low_overlap;
-  } else if (closure.wall_agreement < options.min_wall_agreement) {
-    closure.verdict = ClosureVerdict::walls_disagree;
   } else if (observability(alignment) < options.min_observability) {
     closure.verdict = ClosureVerdict::unobservable;
+  } else if (closure.wall_agreement < options.min_wall_agreement) {
+    closure.verdict = ClosureVerdict::walls_disagree;
   }
   return closure;
 }

@@ -2,6 +2,7 @@
 #include "drift.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -18,10 +19,16 @@ constexpr double walk_translation = 0.03;  // m per square root of m
 constexpr double walk_rotation = 0.003;    // rad per square root of m
 constexpr double least_length = 0.1;       // m
 // Odometry that is off by more than 6 % of the path has failed.
-constexpr double most_translation_first = 1.0;  // m
-constexpr double most_translation = 0.06;       // m per m
-constexpr double most_rotation_first = 0.03;    // rad
-constexpr double most_rotation = 0.015;         // rad per square root of m
+constexpr double most_translation_first = 1.0;   // m
+constexpr double most_translation = 0.06;        // m per m
+constexpr double most_rotation_first = 0.03;     // rad
+constexpr double most_rotation = 0.015;          // rad per square root of m
+constexpr double usual_translation_first = 0.3;  // m
+constexpr double usual_translation = 0.02;       // m per m
+constexpr double usual_translation_last = 1.0;   // m
+constexpr double usual_rotation_first = 0.02;    // rad
+constexpr double usual_rotation = 0.003;         // rad per square root of m
+constexpr double usual_rotation_last = 0.05;     // rad
 
 struct Neighbor {
   std::uint32_t node;
@@ -79,6 +86,14 @@ double max_drift_rotation(double length) {
 bool within_drift(const Rigid3& off, double length) {
   return off.translation.norm() <= max_drift_translation(length) &&
          off.angle() <= max_drift_rotation(length);
+}
+
+bool is_expected(const Rigid3& off, double length) {
+  const double translation =
+      std::min(usual_translation_last, usual_translation_first + usual_translation * length);
+  const double rotation =
+      std::min(usual_rotation_last, usual_rotation_first + usual_rotation * std::sqrt(length));
+  return off.translation.norm() <= translation && off.angle() <= rotation;
 }
 
 Information odometry_information(double length) {

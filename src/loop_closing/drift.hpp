@@ -22,4 +22,8 @@ double max_drift_rotation(double length);     ///< rad
 /// Whether odometry that holds can be off by this motion after such a path.
 bool within_drift(const Rigid3& off, double length);
 
+/// Whether this motion is so small after such a path that odometry alone makes it credible: a
+/// closure that says so moves the map by a metre at most.
+bool is_expected(const Rigid3& off, double length);
+
 }  // namespace kissmap

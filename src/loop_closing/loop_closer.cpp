@@ -16,6 +16,8 @@ constexpr double min_outline_overlap = 0.3;
 constexpr ClosureValidationOptions neighbor_validation{0.05, 0.45, 0.01};
 constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
 constexpr int max_rounds = 5;
+// Of min_wall_agreement, for a closure where odometry expects it.
+constexpr double expected_walls = 2.0 / 3.0;
 constexpr double new_guess = 1.0;  // m; a guess this far from one tried is another
 
 bool was_measured(const Closure& closure) {
@@ -81,7 +83,7 @@ void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
         validate_closure(local_map.opening, *latest_opening_, guess, neighbor_validation);
     const Rigid3 off = guess.inverse() * found.reference_from_query;
     const double length = path_lengths_[neighbor];
-    if (found.verdict == ClosureVerdict::accepted && kissmap::within_drift(off, length)) {
+    if (found.verdict == ClosureVerdict::accepted && within_drift(off, length)) {
       neighbors_.push_back({neighbor,
                             found.reference_from_query,
                             latest_opening_scans_ / 2,
@@ -108,20 +110,27 @@ bool LoopCloser::consider(const SurfelCloud& query,
   closure.reference_id = ids.second;
   closure.source = source;
   closure.inliers = inliers;
-  if (closure.verdict == ClosureVerdict::accepted && !within_drift(closure)) {
-    closure.verdict = ClosureVerdict::beyond_drift;
-  }
+  closure.verdict = weigh_against_drift(closure);
   closures_.push_back(closure);
   return closure.verdict == ClosureVerdict::accepted;
 }
 
-bool LoopCloser::within_drift(const Closure& closure) const {
+ClosureVerdict LoopCloser::weigh_against_drift(const Closure& closure) const {
   const Rigid3 expected =
       map_from_local_map_[closure.reference_id].inverse() * map_from_local_map_[closure.query_id];
   const Rigid3 off = expected.inverse() * closure.reference_from_query;
   const double length =
       drift_length(graph(), path_lengths_, closure.reference_id, closure.query_id);
-  return kissmap::within_drift(off, length);
+  if (closure.verdict == ClosureVerdict::accepted && !within_drift(off, length)) {
+    return ClosureVerdict::beyond_drift;
+  }
+  // Local maps that are bent themselves do not fit well even where they belong together.
+  if (closure.verdict == ClosureVerdict::walls_disagree &&
+      closure.wall_agreement >= expected_walls * options_.validation.min_wall_agreement &&
+      is_expected(off, length)) {
+    return ClosureVerdict::accepted;
+  }
+  return closure.verdict;
 }
 
 PoseGraph LoopCloser::graph() const {

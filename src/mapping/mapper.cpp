@@ -39,15 +39,6 @@ constexpr double longest_opening = 10.0;     // m
 constexpr double path_step = 0.5;            // m
 constexpr double shortest_local_map = 10.0;  // m
 
-double mean_range(const RegisteredScan& registered) {
-  const Eigen::Vector3f origin = registered.frame_from_lidar.translation.cast<float>();
-  double sum = 0.0;
-  for (const Eigen::Vector3f& point : registered.map_points) {
-    sum += static_cast<double>((point - origin).norm());
-  }
-  return sum / static_cast<double>(std::max<std::size_t>(1, registered.map_points.size()));
-}
-
 }  // namespace
 
 Mapper::Mapper(const OdometryOptions& odometry,
@@ -137,9 +128,8 @@ MappedScan Mapper::place(const Scan& scan, const RegisteredScan& registered) {
   }
   progress_.displacement = local_map_from_lidar.translation.norm();
   ++progress_.scan_count;
-  const double range = mean_range(registered);
   progress_.mean_range +=
-      (range - progress_.mean_range) / static_cast<double>(progress_.scan_count);
+      (registered.mean_range - progress_.mean_range) / static_cast<double>(progress_.scan_count);
   local_map_from_last_ = local_map_from_lidar;
   frame_from_last_ = registered.frame_from_lidar;
   return mapped;

@@ -13,6 +13,12 @@ void move_points(const Rigid3& frame_from_lidar, std::vector<Eigen::Vector3f>& p
   }
 }
 
+double mean_range(std::span<const Eigen::Vector3f> points_in_lidar) {
+  double sum = 0.0;
+  for (const Eigen::Vector3f& point : points_in_lidar) sum += static_cast<double>(point.norm());
+  return sum / static_cast<double>(points_in_lidar.size());
+}
+
 }  // namespace
 
 void require_valid(const OdometryOptions& options) {
@@ -30,7 +36,7 @@ Odometry::Odometry(const OdometryOptions& options, ThreadPool& pool)
     : options_((require_valid(options), options)),
       voxel_size_(options.voxel_size > 0.0 ? options.voxel_size : options.max_range / 100.0),
       pool_(pool),
-      map_(voxel_size_, options.max_points_per_voxel),
+      map_(voxel_size_.meters(), options.max_points_per_voxel),
       threshold_(options.initial_threshold, options.min_motion, options.max_range),
       registration_(options.registration, pool) {
 }
@@ -41,9 +47,11 @@ std::optional<RegisteredScan> Odometry::register_scan(const Scan& scan) {
       options_.deskew ? sweep_motion(scan, sweep_start_from_sweep_end) : std::nullopt;
   deskew_and_crop(scan, motion, options_.min_range, options_.max_range, pool_, in_range_);
   if (in_range_.empty()) return std::nullopt;
-  filter_.apply(in_range_, 0.5 * voxel_size_, thinned_);
-  filter_.apply(thinned_, 1.5 * voxel_size_, source_);
+  thin();
+  const bool first = !last_stamp_;
+  while (first && fit_voxels(mean_range(thinned_))) thin();
 
+  const double range = mean_range(thinned_);
   const double sigma = threshold_.sigma();
   const Rigid3 predicted = frame_from_last_ * last_motion_;
   const Alignment alignment = registration_.align(source_, map_, predicted, 3.0 * sigma, sigma);
@@ -64,9 +72,24 @@ std::optional<RegisteredScan> Odometry::register_scan(const Scan& scan) {
   result.end = alignment.end;
   result.iterations = alignment.iterations;
   result.sigma = sigma;
+  result.mean_range = range;
   result.points_in_range = in_range_.size();
   result.map_points = thinned_;
+  fit_voxels(range);
   return result;
+}
+
+void Odometry::thin() {
+  filter_.apply(in_range_, 0.5 * voxel_size_.meters(), thinned_);
+  filter_.apply(thinned_, 1.5 * voxel_size_.meters(), source_);
+}
+
+bool Odometry::fit_voxels(double mean_range) {
+  if (options_.voxel_size > 0.0 || !voxel_size_.observe(mean_range)) return false;
+  const std::vector<Eigen::Vector3f> points = map_.points();
+  map_ = VoxelHashMap(voxel_size_.meters(), options_.max_points_per_voxel);
+  map_.add(points);
+  return true;
 }
 
 void Odometry::restart_frame() {

@@ -91,7 +91,8 @@ INSTANTIATE_TEST_SUITE_P(Tracked,
                          Simulated,
                          testing::Values(scenario("town", "spinning16", "car"),
                                          scenario("town", "spinning32", "car-opposite", 600),
-                                         scenario("town", "spinning64", "car", 300)),
+                                         scenario("town", "spinning64", "car", 300),
+                                         scenario("office", "spinning16", "robot", 1200)),
                          name_of);
 
 INSTANTIATE_TEST_SUITE_P(Hard,

@@ -17,7 +17,7 @@ struct ClosureValidationOptions {
 void require_valid(const ClosureValidationOptions& options);
 
 /// Registers the query to the reference from a guess and judges the outcome on geometry alone:
-/// convergence, overlap, agreement of steep surfaces, observability, in this order. Fills all of
+/// convergence, overlap, observability, agreement of steep surfaces, in this order. Fills all of
 /// the closure but ids, source and inliers. Pure.
 ///
 /// Overlap alone is no proof: floors and ceilings share voxels wherever two rooms are laid over

@@ -74,7 +74,7 @@ class LoopCloser {
                 ClosureSource source,
                 int inliers);
   void compare_to_neighbor(const LocalMap& local_map);
-  bool within_drift(const Closure& closure) const;
+  ClosureVerdict weigh_against_drift(const Closure& closure) const;
   void optimise();
   bool look_again_from(std::uint32_t query_id);
   std::vector<std::uint32_t> overlapping(std::uint32_t query_id) const;

@@ -10,6 +10,7 @@
 #include "kissmap/cloud/voxel_filter.hpp"
 #include "kissmap/geometry/rigid3.hpp"
 #include "kissmap/odometry/adaptive_threshold.hpp"
+#include "kissmap/odometry/adaptive_voxel_size.hpp"
 #include "kissmap/odometry/preprocess.hpp"
 #include "kissmap/odometry/registration.hpp"
 #include "kissmap/odometry/voxel_hash_map.hpp"
@@ -19,9 +20,10 @@ namespace kissmap {
 
 /// METHOD section 1. One set of defaults serves every sensor and place.
 struct OdometryOptions {
-  double max_range = 100.0;        ///< m; farther points are dropped
-  double min_range = 0.0;          ///< m; nearer points are dropped
-  double voxel_size = 0.0;         ///< m, of the odometry's map; 0 means max_range / 100
+  double max_range = 100.0;  ///< m; farther points are dropped
+  double min_range = 0.0;    ///< m; nearer points are dropped
+  /// m, of the odometry's map; 0 means max_range / 100, and finer where the surroundings are near
+  double voxel_size = 0.0;
   bool deskew = true;              ///< undo the motion inside a sweep where there are times
   int max_points_per_voxel = 20;   ///< of the odometry's map
   double initial_threshold = 2.0;  ///< m; sigma of the motion model before any scan
@@ -38,14 +40,16 @@ struct RegisteredScan {
   Rigid3 sweep_start_from_sweep_end;  ///< motion used to deskew, or identity
   Alignment::End end = Alignment::End::converged;
   int iterations = 0;
-  double sigma = 0.0;  ///< m, threshold used
+  double sigma = 0.0;       ///< m, threshold used
+  double mean_range = 0.0;  ///< m, of map_points
   std::size_t points_in_range = 0;
   std::span<const Eigen::Vector3f> map_points;  ///< thinned to half a voxel, odometry frame
 };
 
-/// KISS-ICP (Vizzo et al., RA-L 2023): scan-to-map odometry. The frame is that of the first scan,
-/// or of the latest restart(). Same result for any number of threads of the pool.
-/// Not thread safe; allocates nothing per scan in the steady state.
+/// KISS-ICP (Vizzo et al., RA-L 2023): scan-to-map odometry, with voxels that become finer where
+/// the surroundings are near. The frame is that of the first scan, or of the latest restart(). Same
+/// result for any number of threads of the pool. Not thread safe; allocates nothing per scan in the
+/// steady state.
 class Odometry {
  public:
   Odometry(const OdometryOptions& options, ThreadPool& pool);
@@ -60,9 +64,11 @@ class Odometry {
 
  private:
   Rigid3 motion_through_sweep(const Scan& scan) const;
+  void thin();
+  bool fit_voxels(double mean_range);
 
   OdometryOptions options_;
-  double voxel_size_;
+  AdaptiveVoxelSize voxel_size_;
   ThreadPool& pool_;
   VoxelHashMap map_;
   AdaptiveThreshold threshold_;
