@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Plays every stored crash through its fuzz target. A fixed crash stays in tests/fuzz/crashes.
+// Plays every stored input through its fuzz target: seeds, and crashes that were fixed.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -11,19 +11,28 @@
 namespace kissmap {
 
 void fuzz_bin(std::span<const std::byte> input);
+void fuzz_edits(std::span<const std::byte> input);
+void fuzz_g2o(std::span<const std::byte> input);
 void fuzz_pcd(std::span<const std::byte> input);
 void fuzz_ply(std::span<const std::byte> input);
 void fuzz_stamps(std::span<const std::byte> input);
+void fuzz_trajectory(std::span<const std::byte> input);
 
 namespace {
 
-TEST(StoredCrashes, StayFixed) {
+TEST(FuzzInputs, AreReadOrRefused) {
   const std::map<std::string, std::function<void(std::span<const std::byte>)>> targets = {
-      {"bin", fuzz_bin}, {"pcd", fuzz_pcd}, {"ply", fuzz_ply}, {"stamps", fuzz_stamps}};
+      {"bin", fuzz_bin},
+      {"edits", fuzz_edits},
+      {"g2o", fuzz_g2o},
+      {"pcd", fuzz_pcd},
+      {"ply", fuzz_ply},
+      {"stamps", fuzz_stamps},
+      {"trajectory", fuzz_trajectory}};
   for (const auto& [name, target] : targets) {
     std::size_t played = 0;
     for (const auto& file :
-         std::filesystem::directory_iterator(std::filesystem::path(KISSMAP_FUZZ_CRASHES) / name)) {
+         std::filesystem::directory_iterator(std::filesystem::path(KISSMAP_FUZZ_INPUTS) / name)) {
       std::vector<std::byte> bytes;
       read_file(file.path(), bytes);
       EXPECT_NO_THROW(target(bytes)) << file.path();
