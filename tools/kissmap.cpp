@@ -72,9 +72,18 @@ void declare_run(CLI::App& app, Commands& commands) {
 
 void declare_optimize(CLI::App& app, Commands& commands) {
   OptimizeCommand& c = commands.optimize;
-  CLI::App* command = app.add_subcommand("optimize", "Optimise a pose graph: .g2o file in and out");
-  command->add_option("GRAPH", c.input, "pose graph, a .g2o file (SE2 or SE3:QUAT)")->required();
-  command->add_option("-o,--output", c.output, "file to write")->required()->type_name("OUT.g2o");
+  CLI::App* command = app.add_subcommand(
+      "optimize", "Close and open loops of a session by hand; or optimise a pose graph");
+  command
+      ->add_option("SESSION|GRAPH",
+                   c.input,
+                   "session folder, or a pose graph: a .g2o file (SE2 or SE3:QUAT)")
+      ->required();
+  command
+      ->add_option("-o,--output",
+                   c.output,
+                   "session folder to write (default: SESSION is changed in place), or .g2o file")
+      ->type_name("OUT");
   command
       ->add_option("--start",
                    c.start,
@@ -88,7 +97,10 @@ void declare_optimize(CLI::App& app, Commands& commands) {
       ->add_option("--edits",
                    c.edits,
                    "text file of edits, one a line: remove FROM TO, fix FROM TO (never refused), "
-                   "add FROM TO x y z qx qy qz qw [sigma_m sigma_rad]")
+                   "add FROM TO x y z qx qy qz qw [sigma_m sigma_rad]; in a session, whose ids are "
+                   "those of closures.csv, also add FROM TO [near x y z qx qy qz qw] (registered). "
+                   "A session keeps its edits: the file says all of them, not further ones "
+                   "(default: those it keeps)")
       ->type_name("FILE");
   command->add_option("--max-iterations", c.options.max_iterations, "of each solve (100)")
       ->type_name("N");
@@ -96,15 +108,23 @@ void declare_optimize(CLI::App& app, Commands& commands) {
                     c.drop_coupling,
                     "where the information of an edge is negative in some direction, keep only its "
                     "translation and rotation blocks instead of refusing the file");
-  command->add_flag("--overwrite", c.overwrite, "replace OUT.g2o if it exists");
-  commands.action[command] = [&c] { optimize(c); };
+  command->add_flag("--overwrite", c.overwrite, "replace OUT if it is a .g2o file or a session");
+  commands.action[command] = [&c, command] {
+    for (const char* option : {"--start", "--robust", "--max-iterations", "--drop-coupling"}) {
+      if (command->count(option) > 0) c.graph_option = option;
+    }
+    optimize(c);
+  };
 }
 
 void declare_others(CLI::App& app, Commands& commands) {
   CLI::App* about = app.add_subcommand("info", "Tell what is in a log or a session");
   about->add_option("PATH", commands.info.path, "log or session")->required();
   about->add_option("--format", commands.info.format, "format of the log")->type_name("NAME");
-  about->add_flag("--all", commands.info.all, "of a log: read it whole; counts, bad scans, gaps");
+  about->add_flag(
+      "--all",
+      commands.info.all,
+      "of a log: read it whole, counts, bad scans, gaps; of a session: all its closures");
   commands.action[about] = [&c = commands.info] { info(c); };
 
   CLI::App* pack_command = app.add_subcommand(
