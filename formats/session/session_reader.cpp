@@ -28,9 +28,8 @@ void require_finished(const StoredManifest& stored, const std::filesystem::path&
   if (stored.finished) return;
   if (stored.optimizing) {
     throw input_error(path,
-                      "'kissmap optimize' was stopped while it changed the session; run 'kissmap "
-                      "optimize " +
-                          path.string() + "' to finish that");
+                      "'kissmap optimize' was stopped while it changed the session; run it again, "
+                      "with the same --edits if there were any");
   }
   throw input_error(path, "the session was never finished; make it again with 'kissmap run'");
 }

@@ -22,15 +22,28 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Files that follow from evidence and edits; a session has those that were written for it.
-constexpr std::array derived_names = {keyposes_file_name,
+constexpr std::array derived_names = {edits_file_name,
+                                      keyposes_file_name,
                                       poses_file_name,
                                       closures_file_name,
                                       neighbors_file_name,
                                       graph_file_name,
                                       tum_file_name,
                                       kitti_file_name,
-                                      picture_file_name,
-                                      edits_file_name};
+                                      picture_file_name};
+
+/// The measurements are nowhere else: an update may not lose any.
+void require_complete(const SessionEvidence& session, const SessionUpdate& update) {
+  const LoopCorrection kept = update.correction.value_or(LoopCorrection{});
+  const bool places_all =
+      !update.correction || (kept.map_from_lidar.size() == session.scans.size() &&
+                             kept.map_from_local_map.size() == session.local_maps.size());
+  if (places_all && count_measured(kept.closures) == session.loops.closures.size() &&
+      kept.neighbors.size() == session.loops.neighbors.size()) {
+    return;
+  }
+  throw Error(Fault::internal, "an update of a session must keep all that was measured");
+}
 
 void write_tables(const fs::path& folder,
                   const SessionEvidence& session,
@@ -81,7 +94,7 @@ void write_derived(const fs::path& folder,
   if (!update.edits.empty()) write_whole_file(folder / edits_file_name, update.edits);
 }
 
-/// Removes a folder of ours at the end of the scope, whatever happens.
+/// A folder of ours that is gone at the end of the scope, unless it got another name.
 class StagingFolder {
  public:
   explicit StagingFolder(fs::path path) : path_(std::move(path)) { create_partial_folder(path_); }
@@ -140,6 +153,7 @@ void copy_measured(const SessionEvidence& session, bool packed, const fs::path& 
 }  // namespace
 
 void update_session(const SessionEvidence& session, const SessionUpdate& update) {
+  require_complete(session, update);
   const FolderLock lock(session.path);
   lock.require();
   StoredManifest stored = read_manifest(session.path);
@@ -156,11 +170,12 @@ void copy_session(const SessionEvidence& session,
                   const SessionUpdate& update,
                   const fs::path& output,
                   bool overwrite) {
+  require_complete(session, update);
   const fs::path path = folder_path(output);
   require_writable_target(path, overwrite);
   const fs::path partial = aside(path);
   FolderLock(partial).require();
-  create_partial_folder(partial);
+  const StagingFolder staging(partial);
   const FolderLock lock(partial);
   const FolderLock source_lock(session.path);
   lock.require();

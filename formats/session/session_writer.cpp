@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "formats/files/output_file.hpp"
@@ -42,10 +43,10 @@ class SessionWriter::Impl {
       : path_(folder_path(path)),
         overwrite_(overwrite),
         partial_(prepare_partial(path_, overwrite)),
-        lock_(partial_),
+        lock_(std::in_place, partial_),
         scans_(partial_ / scans_file_name),
         local_maps_(partial_ / local_maps_file_name) {
-    lock_.require();
+    lock_->require();
     scans_.write(scans_header() + '\n');
     scans_.flush();
     local_maps_.write(local_maps_header() + '\n');
@@ -109,6 +110,7 @@ class SessionWriter::Impl {
     sync_folder(partial_ / local_maps_folder_name);
     sync_folder(partial_);
     publish_folder(partial_, path_, overwrite_);
+    lock_.reset();
   }
 
   const std::filesystem::path& partial_path() const { return partial_; }
@@ -130,7 +132,7 @@ class SessionWriter::Impl {
   std::filesystem::path path_;
   bool overwrite_;
   std::filesystem::path partial_;
-  FolderLock lock_;
+  std::optional<FolderLock> lock_;  ///< until the session has its name
   OutputFile scans_;
   OutputFile local_maps_;
   TableSizes sizes_{0, 0, 0, 0};
