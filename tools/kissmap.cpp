@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "declare_eval.hpp"
+#include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
 #include "report.hpp"
@@ -70,53 +71,6 @@ void declare_run(CLI::App& app, Commands& commands) {
   commands.action[command] = [&c] { run(c); };
 }
 
-void declare_optimize(CLI::App& app, Commands& commands) {
-  OptimizeCommand& c = commands.optimize;
-  CLI::App* command = app.add_subcommand(
-      "optimize", "Close and open loops of a session by hand; or optimise a pose graph");
-  command
-      ->add_option("SESSION|GRAPH",
-                   c.input,
-                   "session folder, or a pose graph: a .g2o file (SE2 or SE3:QUAT)")
-      ->required();
-  command
-      ->add_option("-o,--output",
-                   c.output,
-                   "session folder to write (default: SESSION is changed in place), or .g2o file")
-      ->type_name("OUT");
-  command
-      ->add_option("--start",
-                   c.start,
-                   "start values: those of the file, along a tree, or chordal relaxation "
-                   "(file if it has vertices, else tree)")
-      ->type_name("file|tree|chordal")
-      ->check(CLI::IsMember({"file", "tree", "chordal"}));
-  command->add_option("--robust", c.options.robust, "whether false closures may be refused (true)")
-      ->type_name("true|false");
-  command
-      ->add_option("--edits",
-                   c.edits,
-                   "text file of edits, one a line: remove FROM TO, fix FROM TO (never refused), "
-                   "add FROM TO x y z qx qy qz qw [sigma_m sigma_rad]; in a session, whose ids are "
-                   "those of closures.csv, also add FROM TO [near x y z qx qy qz qw] (registered). "
-                   "A session keeps its edits: the file says all of them, not further ones "
-                   "(default: those it keeps)")
-      ->type_name("FILE");
-  command->add_option("--max-iterations", c.options.max_iterations, "of each solve (100)")
-      ->type_name("N");
-  command->add_flag("--drop-coupling",
-                    c.drop_coupling,
-                    "where the information of an edge is negative in some direction, keep only its "
-                    "translation and rotation blocks instead of refusing the file");
-  command->add_flag("--overwrite", c.overwrite, "replace OUT if it is a .g2o file or a session");
-  commands.action[command] = [&c, command] {
-    for (const char* option : {"--start", "--robust", "--max-iterations", "--drop-coupling"}) {
-      if (command->count(option) > 0) c.graph_option = option;
-    }
-    optimize(c);
-  };
-}
-
 void declare_others(CLI::App& app, Commands& commands) {
   CLI::App* about = app.add_subcommand("info", "Tell what is in a log or a session");
   about->add_option("PATH", commands.info.path, "log or session")->required();
@@ -134,6 +88,9 @@ void declare_others(CLI::App& app, Commands& commands) {
       ->type_name("PATH");
   commands.action[pack_command] = [&c = commands.pack] { pack(c); };
 
+  commands.action[&declare_optimize(app, commands.optimize)] = [&c = commands.optimize] {
+    optimize(c);
+  };
   commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
   commands.action[app.add_subcommand("formats", "List the log formats")] = list_formats;
@@ -165,7 +122,6 @@ int main_of(int argc, char** argv) {
   app.require_subcommand(1);
   Commands commands;
   declare_run(app, commands);
-  declare_optimize(app, commands);
   declare_others(app, commands);
   try {
     app.parse(argc, argv);

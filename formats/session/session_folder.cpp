@@ -86,11 +86,11 @@ std::string find_foreign_name(const fs::path& folder) {
   const auto known = [](const fs::directory_entry& entry) {
     return is_session_file(entry) || is_inner_folder(entry);
   };
-  if (const std::string name = first_not(known, folder); !name.empty()) return name;
+  if (std::string name = first_not(known, folder); !name.empty()) return name;
   const std::string map = first_not(is_local_map_file, folder / local_maps_folder_name);
   if (!map.empty()) return (fs::path(local_maps_folder_name) / map).string();
   if (!is_there(folder / staging_folder_name)) return {};
-  const std::string staged = find_foreign_name(folder / staging_folder_name);
+  std::string staged = find_foreign_name(folder / staging_folder_name);
   return staged.empty() ? staged : (fs::path(staging_folder_name) / staged).string();
 }
 
