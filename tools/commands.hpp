@@ -40,15 +40,17 @@ struct PackCommand {
 void pack(const PackCommand& command);
 
 struct OptimizeCommand {
-  std::filesystem::path input;
-  std::filesystem::path output;
-  std::filesystem::path edits;  ///< empty: none
-  std::string start;            ///< "file", "tree", "chordal"; empty: what the input allows
+  std::filesystem::path input;   ///< graph or session
+  std::filesystem::path output;  ///< empty: a session is changed in place
+  std::filesystem::path edits;   ///< empty: none, or those that a session keeps
+  std::string start;             ///< "file", "tree", "chordal"; empty: what the input allows
   PoseGraphOptions options;
   bool drop_coupling = false;  ///< of edges with negative information
   bool overwrite = false;
+  std::string graph_option;  ///< given, though it has a meaning for graphs only; empty: none
 };
 void optimize(const OptimizeCommand& command);
+void optimize_session(const OptimizeCommand& command);
 
 struct EvalCommand {
   std::vector<std::filesystem::path> estimates;

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "commands.hpp"
+#include "info_closures.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/registry.hpp"
@@ -114,8 +115,10 @@ void require_pack(const std::filesystem::path& session, const PackSummary& pack)
   throw input_error(file, "is missing or not as it was written; make it again with 'kissmap pack'");
 }
 
-void print_session(const std::filesystem::path& path) {
+void print_session(const std::filesystem::path& path, bool all_closures) {
+  constexpr std::size_t most = 20;  // lines
   const Session session = read_session(path);
+  require_local_maps(session);
   const SessionManifest& manifest = session.manifest;
   std::printf("%s\n  session     format %d, made by kissmap %s\n",
               path.c_str(),
@@ -134,6 +137,8 @@ void print_session(const std::filesystem::path& path) {
               manifest.path_length,
               session.local_maps.size(),
               session.local_maps.size() == 1 ? "" : "s");
+  std::fputs(describe_closures(session, all_closures ? session.closures.size() : most).c_str(),
+             stdout);
   if (manifest.pack) require_pack(path, *manifest.pack);
   std::printf("  pack        %s\n", manifest.pack ? describe(*manifest.pack).c_str() : "none");
   std::fputs(describe_refusals(manifest.counts).c_str(), stdout);
@@ -143,7 +148,7 @@ void print_session(const std::filesystem::path& path) {
 
 void info(const InfoCommand& command) {
   if (is_session(command.path) && command.format.empty()) {
-    print_session(command.path);
+    print_session(command.path, command.all);
   } else {
     print_log(command);
   }

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "declare_eval.hpp"
+#include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
 #include "report.hpp"
@@ -70,41 +71,14 @@ void declare_run(CLI::App& app, Commands& commands) {
   commands.action[command] = [&c] { run(c); };
 }
 
-void declare_optimize(CLI::App& app, Commands& commands) {
-  OptimizeCommand& c = commands.optimize;
-  CLI::App* command = app.add_subcommand("optimize", "Optimise a pose graph: .g2o file in and out");
-  command->add_option("GRAPH", c.input, "pose graph, a .g2o file (SE2 or SE3:QUAT)")->required();
-  command->add_option("-o,--output", c.output, "file to write")->required()->type_name("OUT.g2o");
-  command
-      ->add_option("--start",
-                   c.start,
-                   "start values: those of the file, along a tree, or chordal relaxation "
-                   "(file if it has vertices, else tree)")
-      ->type_name("file|tree|chordal")
-      ->check(CLI::IsMember({"file", "tree", "chordal"}));
-  command->add_option("--robust", c.options.robust, "whether false closures may be refused (true)")
-      ->type_name("true|false");
-  command
-      ->add_option("--edits",
-                   c.edits,
-                   "text file of edits, one a line: remove FROM TO, fix FROM TO (never refused), "
-                   "add FROM TO x y z qx qy qz qw [sigma_m sigma_rad]")
-      ->type_name("FILE");
-  command->add_option("--max-iterations", c.options.max_iterations, "of each solve (100)")
-      ->type_name("N");
-  command->add_flag("--drop-coupling",
-                    c.drop_coupling,
-                    "where the information of an edge is negative in some direction, keep only its "
-                    "translation and rotation blocks instead of refusing the file");
-  command->add_flag("--overwrite", c.overwrite, "replace OUT.g2o if it exists");
-  commands.action[command] = [&c] { optimize(c); };
-}
-
 void declare_others(CLI::App& app, Commands& commands) {
   CLI::App* about = app.add_subcommand("info", "Tell what is in a log or a session");
   about->add_option("PATH", commands.info.path, "log or session")->required();
   about->add_option("--format", commands.info.format, "format of the log")->type_name("NAME");
-  about->add_flag("--all", commands.info.all, "of a log: read it whole; counts, bad scans, gaps");
+  about->add_flag(
+      "--all",
+      commands.info.all,
+      "of a log: read it whole, counts, bad scans, gaps; of a session: all its closures");
   commands.action[about] = [&c = commands.info] { info(c); };
 
   CLI::App* pack_command = app.add_subcommand(
@@ -114,6 +88,9 @@ void declare_others(CLI::App& app, Commands& commands) {
       ->type_name("PATH");
   commands.action[pack_command] = [&c = commands.pack] { pack(c); };
 
+  commands.action[&declare_optimize(app, commands.optimize)] = [&c = commands.optimize] {
+    optimize(c);
+  };
   commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
   commands.action[app.add_subcommand("formats", "List the log formats")] = list_formats;
@@ -145,7 +122,6 @@ int main_of(int argc, char** argv) {
   app.require_subcommand(1);
   Commands commands;
   declare_run(app, commands);
-  declare_optimize(app, commands);
   declare_others(app, commands);
   try {
     app.parse(argc, argv);

@@ -13,6 +13,7 @@ namespace kissmap {
 namespace {
 
 void require_output(const OptimizeCommand& command) {
+  if (command.output.empty()) throw usage_error("a graph needs --output, the .g2o file to write");
   std::error_code unresolved;
   if (std::filesystem::equivalent(command.input, command.output, unresolved)) {
     throw usage_error(command.output.string() + ": is the graph being read; name another output");
@@ -109,8 +110,12 @@ void report(const OptimizeCommand& command, const GraphFile& file, const Outcome
 }  // namespace
 
 void optimize(const OptimizeCommand& command) {
-  if (command.input.extension() != ".g2o") {
-    throw usage_error(command.input.string() + ": is no .g2o file");
+  std::error_code unresolved;
+  const bool is_file = std::filesystem::is_regular_file(command.input, unresolved);
+  if (command.input.extension() != ".g2o" ||
+      std::filesystem::is_directory(command.input, unresolved)) {
+    if (!is_file) return optimize_session(command);
+    throw usage_error(command.input.string() + ": is no .g2o file and no session folder");
   }
   require_output(command);
   GraphFile file = read_g2o(

@@ -68,6 +68,13 @@ std::string describe_refusals(const SessionCounts& counts) {
   return lines;
 }
 
+std::string describe_loops(const std::vector<Closure>& closures) {
+  const auto closed = std::ranges::count(closures, ClosureVerdict::accepted, &Closure::verdict);
+  return text("  loops       %s closed, of %s candidates\n",
+              with_commas(static_cast<std::uint64_t>(closed)).c_str(),
+              with_commas(closures.size()).c_str());
+}
+
 std::string describe(const PackSummary& pack) {
   const double per_point =
       pack.points == 0 ? 0.0 : static_cast<double>(pack.bytes) / static_cast<double>(pack.points);

@@ -19,6 +19,9 @@ std::string printable(std::string text, bool keep_lines = false);
 /// What was left out of a run and why, a line each, indented; empty if nothing was.
 std::string describe_refusals(const SessionCounts& counts);
 
+/// How many of the candidates became closures, a line.
+std::string describe_loops(const std::vector<Closure>& closures);
+
 /// "2.4 bytes/point" and so on.
 std::string describe(const PackSummary& pack);
 

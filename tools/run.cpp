@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
 #include <cstdio>
-#include <iterator>
-#include <utility>
+#include <optional>
 
 #include "commands.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/pictures.hpp"
 #include "kissmap/formats/registry.hpp"
-#include "kissmap/loop_closing/trajectory_refinement.hpp"
+#include "kissmap/loop_closing/loop_closer.hpp"
 #include "kissmap/version.hpp"
 #include "map_log.hpp"
+#include "paths.hpp"
 #include "progress.hpp"
 #include "report.hpp"
 
@@ -34,7 +33,7 @@ SessionManifest manifest_of(const RunCommand& command,
 void report(const RunCommand& command,
             const SessionManifest& manifest,
             const MappedLog& mapped,
-            const LoopCloser& loops,
+            const std::vector<Closure>& closures,
             double seconds) {
   const auto scans = static_cast<double>(mapped.counts.scans_read);
   std::printf("%s\n", command.session.c_str());
@@ -46,13 +45,7 @@ void report(const RunCommand& command,
               mapped.path_length,
               mapped.local_maps,
               mapped.local_maps == 1 ? "" : "s");
-  if (!loops.closures().empty()) {
-    const auto closed =
-        std::ranges::count(loops.closures(), ClosureVerdict::accepted, &Closure::verdict);
-    std::printf("  loops       %s closed, of %s candidates\n",
-                with_commas(static_cast<std::uint64_t>(closed)).c_str(),
-                with_commas(loops.closures().size()).c_str());
-  }
+  if (!closures.empty()) std::fputs(describe_loops(closures).c_str(), stdout);
   std::printf("  time        %.1f s, %.1f scans/s", seconds, scans / seconds);
   if (mapped.log_seconds > 0.0) {
     std::printf(", %.1f times real time", mapped.log_seconds / seconds);
@@ -63,38 +56,16 @@ void report(const RunCommand& command,
   std::printf("  look at     %s\n", (command.session / "map.png").c_str());
 }
 
-/// Replacing a session must not take the log with it.
-void require_apart(const std::filesystem::path& log, const std::filesystem::path& session) {
-  std::error_code unresolved;
-  const auto whole_log = std::filesystem::weakly_canonical(log, unresolved);
-  const auto whole_session = std::filesystem::weakly_canonical(session, unresolved);
-  for (auto folder = whole_log; folder.has_relative_path(); folder = folder.parent_path()) {
-    if (folder != whole_session) continue;
-    throw usage_error(session.string() + ": holds the log " + log.string() +
-                      "; give another place for the session with -o");
-  }
-}
-
-/// The last part of a run: corrects what odometry found.
-void close_loops(const std::vector<ScanPlace>& places,
-                 const LoopClosingOptions& options,
-                 LoopCloser& loops,
-                 SessionWriter& session) {
-  if (!options.enabled) return;
+/// The last part of a run: corrects what odometry found. Nothing if loops are left open.
+std::optional<LoopCorrection> close_loops(const std::vector<ScanPlace>& places,
+                                          const LoopClosingOptions& options,
+                                          LoopCloser& loops,
+                                          SessionWriter& session) {
+  if (!options.enabled) return std::nullopt;
   loops.look_again();
-  SessionCorrection correction;
-  correction.closures = loops.closures();
-  correction.graph = loops.graph();
-  correction.edge_weights = loops.edge_weights();
-  std::vector<Closure> accepted;
-  std::ranges::copy_if(correction.closures, std::back_inserter(accepted), [](const Closure& c) {
-    return c.verdict == ClosureVerdict::accepted;
-  });
-  RefinedTrajectory refined =
-      refine_trajectory(places, loops.map_from_local_map(), accepted, loops.neighbors());
-  correction.map_from_lidar = std::move(refined.map_from_lidar);
-  correction.map_from_local_map = std::move(refined.map_from_local_map);
+  LoopCorrection correction = correct_loops(places, loops.evidence());
   session.correct(correction);
+  return correction;
 }
 
 void write_session(const RunCommand& command,
@@ -112,12 +83,13 @@ void write_session(const RunCommand& command,
                    configuration.local_maps.voxel_size,
                    [&folder](std::uint32_t id) { return read_local_map_surfels(folder, id); });
   MappedLog mapped;
+  std::optional<LoopCorrection> correction;
   double seconds = 0.0;
   {
     ProgressLine line(!command.quiet);
     const auto show = [&line](const RunProgress& progress) { line.show(progress); };
     mapped = map_log(log, mapper, {session, loops, pack ? &*pack : nullptr}, show);
-    close_loops(mapped.places, configuration.loop_closing, loops, session);
+    correction = close_loops(mapped.places, configuration.loop_closing, loops, session);
     seconds = line.seconds();
   }
   manifest.log.files = log.files();
@@ -129,7 +101,13 @@ void write_session(const RunCommand& command,
   }
   write_png(draw_map_from_above(session.partial_path()), session.partial_path() / "map.png");
   session.finish(manifest);
-  if (!command.quiet) report(command, manifest, mapped, loops, seconds);
+  if (!command.quiet) {
+    report(command,
+           manifest,
+           mapped,
+           correction ? correction->closures : std::vector<Closure>{},
+           seconds);
+  }
 }
 
 }  // namespace
@@ -138,7 +116,7 @@ void run(const RunCommand& command) {
   Configuration configuration = command.configuration.configuration();
   if (command.no_loop_closing) configuration.loop_closing.enabled = false;
   require_valid(command.selection);
-  require_apart(command.log, command.session);
+  require_apart(command.log, "the log", command.session);
   const auto log = read_ahead(
       select_scans(open_log(command.log, configuration.log, command.format), command.selection));
   if (!command.quiet) {

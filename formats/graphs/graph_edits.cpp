@@ -20,6 +20,14 @@ double sigma(LineFields& fields, const char* name) {
   throw fields.error(std::string(name) + " is a standard deviation, 1e-9 to 1e9");
 }
 
+void read_pose(LineFields& fields, GraphEdit& edit) {
+  edit.is_guess = fields.take("near");
+  edit.from_from_to = fields.pose();
+  if (edit.is_guess || fields.at_end()) return;
+  edit.sigma_metres = sigma(fields, "sigma_m");
+  edit.sigma_radians = sigma(fields, "sigma_rad");
+}
+
 GraphEdit read_edit(LineFields& fields, std::size_t line) {
   GraphEdit edit;
   edit.line = line;
@@ -36,13 +44,7 @@ GraphEdit read_edit(LineFields& fields, std::size_t line) {
   edit.from = fields.id("FROM");
   edit.to = fields.id("TO");
   if (edit.from == edit.to) throw fields.error("FROM and TO are the same");
-  if (edit.verb == GraphEdit::Verb::add) {
-    edit.from_from_to = fields.pose();
-    if (!fields.at_end()) {
-      edit.sigma_metres = sigma(fields, "sigma_m");
-      edit.sigma_radians = sigma(fields, "sigma_rad");
-    }
-  }
+  if (edit.verb == GraphEdit::Verb::add && !fields.at_end()) read_pose(fields, edit);
   fields.end();
   return edit;
 }
@@ -53,9 +55,7 @@ struct Edit {
   const GraphEdit& edit;
   const std::vector<std::int64_t>& ids;
 
-  Error error(const std::string& message) const {
-    return LineFields(edits.path, edit.line, "").error(message);
-  }
+  Error error(const std::string& message) const { return edits.error(edit, message); }
   std::uint32_t node(std::int64_t id) const {
     const auto place = std::ranges::lower_bound(ids, id);
     if (place == ids.end() || *place != id) {
@@ -66,7 +66,10 @@ struct Edit {
 };
 
 PoseGraphEdge edge_of(const Edit& e, const PoseGraph& graph) {
-  const Rigid3& pose = e.edit.from_from_to;
+  if (!e.edit.from_from_to || e.edit.is_guess) {
+    throw e.error("only in a session can kissmap find the pose; give x y z qx qy qz qw");
+  }
+  const Rigid3& pose = *e.edit.from_from_to;
   if (graph.space == GraphSpace::planar &&
       (pose.translation.z() != 0.0 || pose.rotation.x() != 0.0 || pose.rotation.y() != 0.0)) {
     throw e.error("the graph is planar: z, qx and qy must be 0");
@@ -104,11 +107,16 @@ void apply_one(const Edit& e, PoseGraph& graph) {
 
 }  // namespace
 
+Error GraphEdits::error(const GraphEdit& edit, const std::string& message) const {
+  return LineFields(path, edit.line, "").error(message);
+}
+
 GraphEdits read_graph_edits(const std::filesystem::path& path) {
   GraphEdits edits;
   edits.path = path;
   const std::vector<std::byte> bytes = read_side_file(path);
-  Lines lines(text_of(bytes));
+  edits.text = text_of(bytes);
+  Lines lines(edits.text);
   while (const auto line = lines.next()) {
     const std::string_view text = trimmed(line->substr(0, line->find('#')));
     if (text.empty()) continue;

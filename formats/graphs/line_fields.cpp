@@ -22,6 +22,13 @@ std::string_view LineFields::word() {
   return next_word(rest_);
 }
 
+bool LineFields::take(std::string_view expected) {
+  std::string_view rest = rest_;
+  if (next_word(rest) != expected) return false;
+  rest_ = rest;
+  return true;
+}
+
 bool LineFields::at_end() const {
   return trimmed(rest_).empty();
 }

@@ -18,7 +18,8 @@ class LineFields {
   LineFields(const std::filesystem::path& path, std::size_t number, std::string_view line)
       : path_(path), number_(number), rest_(line) {}
 
-  std::string_view word();  ///< empty at the end
+  std::string_view word();               ///< empty at the end
+  bool take(std::string_view expected);  ///< takes the next word if it is this one
   bool at_end() const;
   void end() const;  ///< throws unless all words have been taken
 

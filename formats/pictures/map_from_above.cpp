@@ -148,20 +148,29 @@ void paint_scale_bar(Canvas& canvas, double pixel_size) {
 }  // namespace
 
 Picture draw_map_from_above(const std::filesystem::path& session_folder, int max_pixels) {
+  MapLayout layout;
+  layout.local_maps = read_local_maps(session_folder);
+  for_each_scan(
+      session_folder, layout.local_maps, UnclosedScans::pass_over, [&](const SessionScan& scan) {
+        layout.trajectory.push_back(scan.mapped.map_from_lidar.translation);
+      });
+  layout.closures = read_closures(session_folder, layout.local_maps.size());
+  return draw_map_from_above(session_folder, layout, max_pixels);
+}
+
+Picture draw_map_from_above(const std::filesystem::path& session_folder,
+                            const MapLayout& layout,
+                            int max_pixels) {
   if (max_pixels < smallest_max_pixels || max_pixels > largest_max_pixels) {
     throw usage_error("the longer side of a picture needs " + std::to_string(smallest_max_pixels) +
                       " to " + std::to_string(largest_max_pixels) + " pixels");
   }
-  const std::vector<LocalMap> local_maps = read_local_maps(session_folder);
-  std::vector<Eigen::Vector3d> trajectory;
-  for_each_scan(session_folder, local_maps, UnclosedScans::pass_over, [&](const SessionScan& scan) {
-    trajectory.push_back(scan.mapped.map_from_lidar.translation);
-  });
-  const MapView view = choose_view(session_folder, local_maps, trajectory, max_pixels);
+  const MapView view =
+      choose_view(session_folder, layout.local_maps, layout.trajectory, max_pixels);
   Canvas canvas(view.width, view.height, background);
-  paint_map(canvas, view, draw_surfels(session_folder, local_maps, view));
-  paint_trajectory(canvas, view, trajectory);
-  paint_closures(canvas, view, local_maps, read_closures(session_folder, local_maps.size()));
+  paint_map(canvas, view, draw_surfels(session_folder, layout.local_maps, view));
+  paint_trajectory(canvas, view, layout.trajectory);
+  paint_closures(canvas, view, layout.local_maps, layout.closures);
   paint_scale_bar(canvas, view.pixel_size);
   return canvas.picture();
 }

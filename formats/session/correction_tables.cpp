@@ -1,26 +1,32 @@
 // SPDX-License-Identifier: MIT
 #include "formats/session/correction_tables.hpp"
 
+#include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "formats/files/output_file.hpp"
 #include "formats/files/row_text.hpp"
 #include "formats/session/session_folder.hpp"
 #include "kissmap/error.hpp"
+#include "kissmap/formats/g2o.hpp"
 
 namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// Verdicts whose text is the reason.
 constexpr std::array verdicts = {ClosureVerdict::accepted,
                                  ClosureVerdict::no_convergence,
                                  ClosureVerdict::low_overlap,
                                  ClosureVerdict::walls_disagree,
                                  ClosureVerdict::unobservable,
                                  ClosureVerdict::beyond_drift,
-                                 ClosureVerdict::refused_by_graph};
-constexpr std::array sources = {ClosureSource::appearance, ClosureSource::trajectory};
+                                 ClosureVerdict::refused_by_graph,
+                                 ClosureVerdict::removed_by_hand};
+constexpr std::array sources = {
+    ClosureSource::appearance, ClosureSource::trajectory, ClosureSource::hand};
 
 std::string keyposes_header() {
   return "local_map_id," + pose_columns("map_from_local_map");
@@ -36,6 +42,11 @@ std::string closures_header() {
          "residual_after," +
          pose_columns("reference_from_query") +
          ",center_in_query_x,center_in_query_y,center_in_query_z,verdict,reason";
+}
+
+std::string neighbors_header() {
+  return "reference_id,query_id," + pose_columns("reference_from_query") +
+         ",reference_scan,query_scan";
 }
 
 std::string closure_row(const Closure& closure, const std::vector<std::int64_t>& stamps_ns) {
@@ -57,17 +68,33 @@ std::string closure_row(const Closure& closure, const std::vector<std::int64_t>&
       .number(closure.center_in_query.y())
       .number(closure.center_in_query.z())
       .word(accepted ? "accepted" : "refused")
-      .word(to_string(closure.verdict))
+      .word(reason(closure).c_str())
       .line();
 }
 
 template <typename Values>
-auto named(TableReader& table, const Values& values) {
-  const std::string_view name = table.text();
+auto named(std::string_view name, const Values& values, const TableReader& table) {
   for (const auto value : values) {
     if (name == to_string(value)) return value;
   }
   throw table.error("is none of the known words");
+}
+
+/// The inverse of reason().
+void read_reason(TableReader& table, Closure& closure) {
+  constexpr std::string_view fixed = "fixed by hand";
+  std::string_view text = table.text();
+  if (text == "added by hand") return;
+  closure.trusted = text.starts_with(fixed);
+  if (text == fixed) return;
+  if (closure.trusted && text.substr(fixed.size()).starts_with("; ")) {
+    text.remove_prefix(fixed.size() + 2);
+  }
+  closure.verdict = named(text, verdicts, table);
+  const bool measured = closure.verdict != ClosureVerdict::refused_by_graph &&
+                        closure.verdict != ClosureVerdict::removed_by_hand;
+  if (measured) closure.first_verdict = closure.verdict;
+  if (closure.trusted) closure.verdict = ClosureVerdict::accepted;
 }
 
 std::uint32_t read_id(TableReader& table, std::size_t local_maps) {
@@ -82,7 +109,7 @@ Closure read_closure(TableReader& table, std::size_t local_maps) {
   closure.reference_id = read_id(table, local_maps);
   table.integer();
   table.integer();
-  closure.source = named(table, sources);
+  closure.source = named(table.text(), sources, table);
   closure.inliers = static_cast<int>(table.integer());
   closure.iterations = static_cast<int>(table.integer());
   closure.overlap = table.number();
@@ -92,12 +119,23 @@ Closure read_closure(TableReader& table, std::size_t local_maps) {
   closure.reference_from_query = table.pose();
   for (double& coordinate : closure.center_in_query) coordinate = table.number();
   table.text();  // says no more than the reason
-  closure.verdict = named(table, verdicts);
+  read_reason(table, closure);
   table.end_row();
   return closure;
 }
 
-}  // namespace
+NeighborLink read_neighbor(TableReader& table, std::size_t local_maps) {
+  NeighborLink link;
+  link.reference_id = read_id(table, local_maps);
+  if (read_id(table, local_maps) != link.reference_id + 1) {
+    throw table.error("is not the local map after reference_id");
+  }
+  link.reference_from_query = table.pose();
+  link.reference_scan = table.unsigned_integer_32();
+  link.query_scan = table.unsigned_integer_32();
+  table.end_row();
+  return link;
+}
 
 void write_keyposes(const fs::path& session, const std::vector<Rigid3>& map_from_local_map) {
   OutputFile file(session / keyposes_file_name);
@@ -126,6 +164,37 @@ void write_closures(const fs::path& session,
   file.write(closures_header() + '\n');
   for (const Closure& closure : closures) file.write(closure_row(closure, stamps_ns));
   file.close();
+}
+
+void write_neighbors(const fs::path& session, const std::vector<NeighborLink>& neighbors) {
+  OutputFile file(session / neighbors_file_name);
+  file.write(neighbors_header() + '\n');
+  for (const NeighborLink& link : neighbors) {
+    file.write(RowText()
+                   .number(std::uint64_t{link.reference_id})
+                   .number(std::uint64_t{link.reference_id} + 1)
+                   .pose(link.reference_from_query)
+                   .number(std::uint64_t{link.reference_scan})
+                   .number(std::uint64_t{link.query_scan})
+                   .line());
+  }
+  file.close();
+}
+
+}  // namespace
+
+void write_correction(const fs::path& session,
+                      const LoopCorrection& correction,
+                      const std::vector<std::uint64_t>& log_indices,
+                      const std::vector<std::int64_t>& stamps_ns) {
+  write_keyposes(session, correction.map_from_local_map);
+  write_poses(session, log_indices, correction.map_from_lidar);
+  write_closures(session, correction.closures, stamps_ns);
+  write_neighbors(session, correction.neighbors);
+  GraphFile graph{correction.graph, {}, true, {}};
+  graph.ids.resize(correction.map_from_local_map.size());
+  std::iota(graph.ids.begin(), graph.ids.end(), std::int64_t{0});
+  write_g2o(graph, session / graph_file_name, correction.edge_weights);
 }
 
 void correct_keyposes(const fs::path& session, std::vector<LocalMap>& local_maps) {
@@ -174,6 +243,19 @@ std::vector<Closure> read_closures(const fs::path& session, std::size_t local_ma
   std::vector<Closure> closures;
   while (table.next_row()) closures.push_back(read_closure(table, local_maps));
   return closures;
+}
+
+std::uint64_t count_measured(const std::vector<Closure>& closures) {
+  return closures.size() - static_cast<std::uint64_t>(
+                               std::ranges::count(closures, ClosureSource::hand, &Closure::source));
+}
+
+std::vector<NeighborLink> read_neighbors(const fs::path& session, std::size_t local_maps) {
+  if (!fs::exists(session / neighbors_file_name)) return {};
+  TableReader table(session / neighbors_file_name, neighbors_header(), damaged_session_cure);
+  std::vector<NeighborLink> neighbors;
+  while (table.next_row()) neighbors.push_back(read_neighbor(table, local_maps));
+  return neighbors;
 }
 
 }  // namespace kissmap

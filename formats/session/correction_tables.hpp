@@ -6,24 +6,20 @@
 #include <vector>
 
 #include "formats/files/table.hpp"
-#include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/loop_closing/loop_correction.hpp"
 #include "kissmap/mapping/local_map.hpp"
 
 namespace kissmap {
 
-// keyposes.csv, poses.csv and closures.csv of a session; columns in FORMAT.md. They are there if
-// the session was corrected. Reading throws Error(input) naming file, line, column and cure,
-// writing Error(output); files are written aside, then renamed.
+// keyposes.csv, poses.csv, closures.csv, neighbors.csv and pose_graph.g2o of a session; columns in
+// FORMAT.md. They are there if the session was corrected. Reading throws Error(input) naming file,
+// line, column and cure, writing Error(output).
 
-void write_keyposes(const std::filesystem::path& session,
-                    const std::vector<Rigid3>& map_from_local_map);
-void write_poses(const std::filesystem::path& session,
-                 const std::vector<std::uint64_t>& log_indices,
-                 const std::vector<Rigid3>& map_from_lidar);
-/// `stamps_ns` by local map: of its first scan's pose.
-void write_closures(const std::filesystem::path& session,
-                    const std::vector<Closure>& closures,
-                    const std::vector<std::int64_t>& stamps_ns);
+/// Writes all of them. `stamps_ns` by local map: of its first scan's pose.
+void write_correction(const std::filesystem::path& session,
+                      const LoopCorrection& correction,
+                      const std::vector<std::uint64_t>& log_indices,
+                      const std::vector<std::int64_t>& stamps_ns);
 
 /// Replaces keyposes by the corrected ones, if there are any. A table with too few or too many rows
 /// is an error.
@@ -45,5 +41,12 @@ std::optional<CorrectedPoses> open_corrected_poses(const std::filesystem::path& 
 
 /// Candidates for closures without their information; none if the session was not corrected.
 std::vector<Closure> read_closures(const std::filesystem::path& session, std::size_t local_maps);
+
+/// Closures that nobody added by hand.
+std::uint64_t count_measured(const std::vector<Closure>& closures);
+
+/// None if the session was not corrected.
+std::vector<NeighborLink> read_neighbors(const std::filesystem::path& session,
+                                         std::size_t local_maps);
 
 }  // namespace kissmap

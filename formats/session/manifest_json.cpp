@@ -52,12 +52,18 @@ std::string read_configuration(const json& root, const std::filesystem::path& se
   return text;
 }
 
+std::optional<std::uint64_t> optional_count(const json& object, const char* name) {
+  if (!object.contains(name)) return std::nullopt;
+  return unsigned_field(object, name);
+}
+
 StoredManifest parse(const json& root, const std::filesystem::path& session) {
   StoredManifest stored;
   SessionManifest& manifest = stored.manifest;
   stored.finished = bool_field(root, "finished");
   manifest.program_version = string_field(root, "program_version");
-  if (!stored.finished) return stored;
+  if (root.contains("optimizing")) stored.optimizing = bool_field(root, "optimizing");
+  if (!stored.finished && !stored.optimizing) return stored;
   manifest.log = log_from_json(root.at("log"));
   manifest.configuration = read_configuration(root, session);
   manifest.counts = counts_from_json(root.at("counts"));
@@ -65,6 +71,8 @@ StoredManifest parse(const json& root, const std::filesystem::path& session) {
   if (const json& pack = root.at("pack"); !pack.is_null()) manifest.pack = pack_from_json(pack);
   stored.tables.scans = unsigned_field(root.at("tables"), "scans");
   stored.tables.local_maps = unsigned_field(root.at("tables"), "local_maps");
+  stored.tables.closures = optional_count(root.at("tables"), "closures");
+  stored.tables.neighbors = optional_count(root.at("tables"), "neighbors");
   return stored;
 }
 
@@ -76,6 +84,7 @@ std::string manifest_text(const StoredManifest& stored) {
   root["format"] = format_mark;
   root["format_version"] = session_format_version;
   root["finished"] = stored.finished;
+  if (stored.optimizing) root["optimizing"] = true;
   root["program_version"] = manifest.program_version;
   root["log"] = log_to_json(manifest.log);
   root["configuration_xxh3"] = xxh3_hex(manifest.configuration);
@@ -83,6 +92,8 @@ std::string manifest_text(const StoredManifest& stored) {
   root["path_length"] = finite(manifest.path_length, "path_length");
   root["pack"] = manifest.pack ? pack_to_json(*manifest.pack) : ordered_json();
   root["tables"] = {{"scans", stored.tables.scans}, {"local_maps", stored.tables.local_maps}};
+  if (stored.tables.closures) root["tables"]["closures"] = *stored.tables.closures;
+  if (stored.tables.neighbors) root["tables"]["neighbors"] = *stored.tables.neighbors;
   return dump(root);
 }
 

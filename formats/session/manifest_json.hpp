@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "kissmap/formats/session.hpp"
@@ -13,11 +14,15 @@ namespace kissmap {
 struct TableSizes {
   std::uint64_t scans = 0;
   std::uint64_t local_maps = 0;
+  // Of what the run measured, edits by hand apart. Sessions of before 'kissmap optimize' lack them.
+  std::optional<std::uint64_t> closures;
+  std::optional<std::uint64_t> neighbors;
 };
 
 struct StoredManifest {
   SessionManifest manifest;  ///< configuration included, though it is a file of its own
   bool finished = false;
+  bool optimizing = false;  ///< not finished only because 'kissmap optimize' was stopped
   TableSizes tables;
 };
 

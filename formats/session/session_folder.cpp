@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "formats/session/session_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <string_view>
 #include <system_error>
 
@@ -23,10 +28,12 @@ constexpr std::array file_names = {manifest_file_name,
                                    keyposes_file_name,
                                    poses_file_name,
                                    closures_file_name,
+                                   neighbors_file_name,
                                    graph_file_name,
                                    tum_file_name,
                                    kitti_file_name,
                                    picture_file_name,
+                                   edits_file_name,
                                    pack_file_name};
 
 fs::file_type type_of(const fs::path& path) {
@@ -60,25 +67,31 @@ bool is_local_map_file(const fs::directory_entry& entry) {
          digits.size() >= 6 && digits.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-bool is_local_maps_folder(const fs::directory_entry& entry) {
-  return entry.path().filename() == local_maps_folder_name &&
+bool is_inner_folder(const fs::directory_entry& entry) {
+  const fs::path name = entry.path().filename();
+  return (name == local_maps_folder_name || name == staging_folder_name) &&
          entry.symlink_status().type() == fs::file_type::directory;
 }
 
-std::string find_foreign_name(const fs::path& folder) {
+template <typename Known>
+std::string first_not(const Known& known, const fs::path& folder) {
+  if (!is_there(folder)) return {};
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!is_session_file(entry) && !is_local_maps_folder(entry)) {
-      return entry.path().filename().string();
-    }
-  }
-  const fs::path maps = folder / local_maps_folder_name;
-  if (!is_there(maps)) return {};
-  for (const fs::directory_entry& entry : fs::directory_iterator(maps)) {
-    if (!is_local_map_file(entry)) {
-      return (local_maps_folder_name / entry.path().filename()).string();
-    }
+    if (!known(entry)) return entry.path().filename().string();
   }
   return {};
+}
+
+std::string find_foreign_name(const fs::path& folder) {
+  const auto known = [](const fs::directory_entry& entry) {
+    return is_session_file(entry) || is_inner_folder(entry);
+  };
+  if (std::string name = first_not(known, folder); !name.empty()) return name;
+  const std::string map = first_not(is_local_map_file, folder / local_maps_folder_name);
+  if (!map.empty()) return (fs::path(local_maps_folder_name) / map).string();
+  if (!is_there(folder / staging_folder_name)) return {};
+  std::string staged = find_foreign_name(folder / staging_folder_name);
+  return staged.empty() ? staged : (fs::path(staging_folder_name) / staged).string();
 }
 
 void remove_folder(const fs::path& folder) {
@@ -97,6 +110,24 @@ void require_only_session_files(const fs::path& folder) {
 }
 
 }  // namespace
+
+FolderLock::FolderLock(const fs::path& folder)
+    : folder_(folder), descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+bool FolderLock::take() const {
+  return descriptor_ < 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+void FolderLock::require() const {
+  if (take()) return;
+  throw output_error(folder_,
+                     "is being written by another run; wait for it or choose another name");
+}
 
 fs::path local_map_file(const fs::path& session, std::uint32_t id) {
   std::string name = std::to_string(id);

@@ -16,10 +16,14 @@ inline constexpr const char* local_maps_folder_name = "local_maps";
 inline constexpr const char* keyposes_file_name = "keyposes.csv";
 inline constexpr const char* poses_file_name = "poses.csv";
 inline constexpr const char* closures_file_name = "closures.csv";
+inline constexpr const char* neighbors_file_name = "neighbors.csv";
 inline constexpr const char* graph_file_name = "pose_graph.g2o";
 inline constexpr const char* tum_file_name = "trajectory.tum";
 inline constexpr const char* kitti_file_name = "trajectory_kitti.txt";
 inline constexpr const char* picture_file_name = "map.png";
+inline constexpr const char* edits_file_name = "edits.txt";
+/// Folder in which `kissmap optimize` gets ready what it will put in place.
+inline constexpr const char* staging_folder_name = "optimize.partial";
 
 /// Ends the message about a session that is damaged.
 inline constexpr const char* damaged_session_cure =
@@ -33,6 +37,22 @@ std::filesystem::path folder_path(const std::filesystem::path& path);
 /// First entry of a folder that no session has, or that is of the wrong kind; empty if there is
 /// none. Guards whatever a user keeps beside or inside a session against deletion.
 std::string first_foreign_name(const std::filesystem::path& folder);
+
+/// Held while a session is being written or changed, so that nothing else does the same.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  bool take() const;     ///< false if another process has it
+  void require() const;  ///< throws Error(output) if another process has it
+
+ private:
+  std::filesystem::path folder_;
+  int descriptor_;
+};
 
 /// Where a session that is being overwritten waits until its successor is in place.
 std::filesystem::path replaced_path(const std::filesystem::path& session);

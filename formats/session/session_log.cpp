@@ -4,6 +4,7 @@
 #include "formats/files/output_file.hpp"
 #include "formats/session/manifest_json.hpp"
 #include "formats/session/pack_log.hpp"
+#include "formats/session/session_folder.hpp"
 #include "formats/session/verified_log.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/pack.hpp"
@@ -61,6 +62,8 @@ std::unique_ptr<ScanLog> open_session_log(const Session& session,
 // renames leaves a pack the manifest does not know: the log still serves.
 PackSummary pack_session(const std::filesystem::path& session,
                          const std::filesystem::path& moved_to) {
+  const FolderLock lock(session);
+  lock.require();
   const Session opened = read_session(session);
   const auto log = read_ahead(open_recorded_log(opened, moved_to));
   const std::filesystem::path file = session / pack_file_name;

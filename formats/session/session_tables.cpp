@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "formats/session/session_tables.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "formats/files/row_text.hpp"
@@ -90,10 +91,20 @@ std::string local_map_row(const LocalMap& local_map) {
       .line();
 }
 
-std::vector<LocalMap> read_local_maps(const std::filesystem::path& session) {
+void note_first_stamp(const MappedScan& scan, std::vector<std::int64_t>& stamps_ns) {
+  const std::size_t id = scan.local_map_id;
+  stamps_ns.resize(std::max(stamps_ns.size(), id + 1), scan.pose_stamp_ns);
+}
+
+std::vector<LocalMap> read_odometry_local_maps(const std::filesystem::path& session) {
   TableReader table(session / local_maps_file_name, local_maps_header(), damaged_session_cure);
   std::vector<LocalMap> maps;
   while (table.next_row()) maps.push_back(read_local_map(table, maps.size()));
+  return maps;
+}
+
+std::vector<LocalMap> read_local_maps(const std::filesystem::path& session) {
+  std::vector<LocalMap> maps = read_odometry_local_maps(session);
   correct_keyposes(session, maps);
   return maps;
 }

@@ -20,7 +20,14 @@ std::string local_maps_header();
 std::string scan_row(const SessionScan& scan);
 std::string local_map_row(const LocalMap& local_map);
 
-/// All local maps, without their surfels; ids count from 0.
+/// Keeps the stamp of the first pose in each local map, by id. Scans must come in their order; a
+/// local map without scans gets the stamp of the next one.
+void note_first_stamp(const MappedScan& scan, std::vector<std::int64_t>& stamps_ns);
+
+/// All local maps, where odometry put them, without their surfels; ids count from 0.
+std::vector<LocalMap> read_odometry_local_maps(const std::filesystem::path& session);
+
+/// The same where the corrected keyposes put them, if there are any.
 std::vector<LocalMap> read_local_maps(const std::filesystem::path& session);
 
 /// Calls `visit` with each scan in recorded order; `local_maps` place them in the map frame.

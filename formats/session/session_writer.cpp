@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "formats/files/output_file.hpp"
@@ -14,59 +9,30 @@
 #include "formats/session/manifest_json.hpp"
 #include "formats/session/session_folder.hpp"
 #include "formats/session/session_tables.hpp"
-#include "formats/trajectories/pose_lines.hpp"
+#include "formats/session/trajectory_files.hpp"
 #include "kissmap/error.hpp"
-#include "kissmap/formats/g2o.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/version.hpp"
 
 namespace kissmap {
 namespace {
 
-// Held while a session is being written, so that a second run does not take the folder for stale.
-class FolderLock {
- public:
-  explicit FolderLock(const std::filesystem::path& folder)
-      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
-  ~FolderLock() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
-  bool take() const {
-    return descriptor_ < 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
-  }
-
- private:
-  int descriptor_;
-};
-
-Error busy(const std::filesystem::path& partial) {
-  return output_error(partial,
-                      "is being written by another run; wait for it or choose another name");
-}
-
 std::filesystem::path prepare_partial(const std::filesystem::path& path, bool overwrite) {
   require_writable_target(path, overwrite);
   std::filesystem::path partial = aside(path);
-  if (!FolderLock(partial).take()) throw busy(partial);
+  FolderLock(partial).require();
   create_partial_folder(partial);
   return partial;
 }
 
 // Streams the table back, so that a long log needs no memory here.
 void write_trajectories(const std::filesystem::path& session) {
-  OutputFile tum(session / tum_file_name);
-  OutputFile kitti(session / kitti_file_name);
-  tum.write(tum_header);
+  TrajectoryFiles files(session);
   const std::vector<LocalMap> local_maps = read_local_maps(session);
   for_each_scan(session, local_maps, UnclosedScans::refuse, [&](const SessionScan& scan) {
-    tum.write(tum_line(scan.mapped.pose_stamp_ns, scan.mapped.map_from_lidar));
-    kitti.write(kitti_line(scan.mapped.map_from_lidar));
+    files.add(scan.mapped.pose_stamp_ns, scan.mapped.map_from_lidar);
   });
-  tum.close();
-  kitti.close();
+  files.close();
 }
 
 }  // namespace
@@ -77,10 +43,10 @@ class SessionWriter::Impl {
       : path_(folder_path(path)),
         overwrite_(overwrite),
         partial_(prepare_partial(path_, overwrite)),
-        lock_(partial_),
+        lock_(std::in_place, partial_),
         scans_(partial_ / scans_file_name),
         local_maps_(partial_ / local_maps_file_name) {
-    if (!lock_.take()) throw busy(partial_);
+    lock_->require();
     scans_.write(scans_header() + '\n');
     scans_.flush();
     local_maps_.write(local_maps_header() + '\n');
@@ -92,7 +58,7 @@ class SessionWriter::Impl {
 
   void describe(const SessionManifest& manifest) {
     require_open();
-    write_manifest({manifest, false, {}}, partial_);
+    write_manifest({manifest, false, false, {}}, partial_);
   }
 
   void add_scan(const SessionScan& scan) {
@@ -103,9 +69,7 @@ class SessionWriter::Impl {
     scans_.write(scan_row(scan));
     scans_.flush();
     log_indices_.push_back(scan.log_index);
-    const std::size_t id = scan.mapped.local_map_id;
-    // A local map that ended with its first scan leaves its stamp to the ones without.
-    first_stamps_ns_.resize(std::max(first_stamps_ns_.size(), id + 1), scan.mapped.pose_stamp_ns);
+    note_first_stamp(scan.mapped, first_stamps_ns_);
     last_log_index_ = scan.log_index;
     last_local_map_id_ = std::max(last_local_map_id_, scan.mapped.local_map_id);
     ++sizes_.scans;
@@ -124,19 +88,15 @@ class SessionWriter::Impl {
     ++sizes_.local_maps;
   }
 
-  void correct(const SessionCorrection& correction) {
+  void correct(const LoopCorrection& correction) {
     require_open();
     if (correction.map_from_lidar.size() != sizes_.scans ||
         correction.map_from_local_map.size() != sizes_.local_maps) {
       throw Error(Fault::internal, "a correction must place every scan and every local map");
     }
-    write_keyposes(partial_, correction.map_from_local_map);
-    write_poses(partial_, log_indices_, correction.map_from_lidar);
-    write_closures(partial_, correction.closures, first_stamps_ns_);
-    GraphFile graph{correction.graph, {}, true, {}};
-    graph.ids.resize(sizes_.local_maps);
-    std::iota(graph.ids.begin(), graph.ids.end(), std::int64_t{0});
-    write_g2o(graph, partial_ / graph_file_name, correction.edge_weights);
+    write_correction(partial_, correction, log_indices_, first_stamps_ns_);
+    sizes_.closures = count_measured(correction.closures);
+    sizes_.neighbors = correction.neighbors.size();
   }
 
   void finish(const SessionManifest& manifest) {
@@ -146,10 +106,11 @@ class SessionWriter::Impl {
     scans_.close();
     local_maps_.close();
     write_trajectories(partial_);
-    write_manifest({manifest, true, sizes_}, partial_);
+    write_manifest({manifest, true, false, sizes_}, partial_);
     sync_folder(partial_ / local_maps_folder_name);
     sync_folder(partial_);
     publish_folder(partial_, path_, overwrite_);
+    lock_.reset();
   }
 
   const std::filesystem::path& partial_path() const { return partial_; }
@@ -171,10 +132,10 @@ class SessionWriter::Impl {
   std::filesystem::path path_;
   bool overwrite_;
   std::filesystem::path partial_;
-  FolderLock lock_;
+  std::optional<FolderLock> lock_;  ///< until the session has its name
   OutputFile scans_;
   OutputFile local_maps_;
-  TableSizes sizes_;
+  TableSizes sizes_{0, 0, 0, 0};
   std::vector<std::int64_t> first_stamps_ns_;  ///< of the local maps, for correct()
   std::vector<std::uint64_t> log_indices_;     ///< of the scans, for correct()
   std::uint64_t last_log_index_ = 0;
@@ -200,7 +161,7 @@ void SessionWriter::add_local_map(const LocalMap& local_map) {
   impl_->add_local_map(local_map);
 }
 
-void SessionWriter::correct(const SessionCorrection& correction) {
+void SessionWriter::correct(const LoopCorrection& correction) {
   impl_->correct(correction);
 }
 

@@ -68,33 +68,31 @@ double observability(const SurfelAlignment& alignment) {
   return values.sum() > 0.0 ? values(0) / values.sum() : 0.0;
 }
 
-/// A rotation about a point away from the origin moves the origin: carries a covariance at
-/// `center` to the origin of the same frame.
+/// A rotation about a point away from the origin moves the origin: carries the information of
+/// independent errors at `center` to the origin of the same frame.
 Information information_at_keypose(const Twist& sigmas, const Eigen::Vector3d& center) {
-  // exp(twist at origin): v0 = vc + center x w.
+  // exp(twist at center): vc = v0 - center x w.
   Eigen::Matrix<double, 6, 6> carry = Eigen::Matrix<double, 6, 6>::Identity();
-  carry.topRightCorner<3, 3>() << 0, -center.z(), center.y(),  //
-      center.z(), 0, -center.x(),                              //
-      -center.y(), center.x(), 0;
-  const Eigen::Matrix<double, 6, 6> covariance =
-      carry * sigmas.cwiseAbs2().asDiagonal() * carry.transpose();
-  const Eigen::Matrix<double, 6, 6> information = covariance.inverse();
+  carry.topRightCorner<3, 3>() << 0, center.z(), -center.y(),  //
+      -center.z(), 0, center.x(),                              //
+      center.y(), -center.x(), 0;
+  const Information information =
+      carry.transpose() * sigmas.cwiseAbs2().cwiseInverse().asDiagonal() * carry;
   return 0.5 * (information + information.transpose());
-}
-
-Information information_of(const Closure& closure) {
-  const double arms = closure.center_in_query.norm() +
-                      (closure.reference_from_query * closure.center_in_query).norm();
-  Twist sigmas;
-  sigmas.head<3>().setConstant(std::hypot(best_translation, bend_translation * arms));
-  sigmas.tail<3>().setConstant(std::hypot(best_rotation, bend_rotation * std::sqrt(arms)));
-  return information_at_keypose(sigmas, closure.center_in_query);
 }
 
 }  // namespace
 
 const char* to_string(ClosureSource source) {
-  return source == ClosureSource::appearance ? "appearance" : "trajectory";
+  switch (source) {
+    case ClosureSource::appearance:
+      return "appearance";
+    case ClosureSource::trajectory:
+      return "trajectory";
+    case ClosureSource::hand:
+      return "hand";
+  }
+  return "unknown";
 }
 
 const char* to_string(ClosureVerdict verdict) {
@@ -113,8 +111,24 @@ const char* to_string(ClosureVerdict verdict) {
       return "further off than odometry drifts";
     case ClosureVerdict::refused_by_graph:
       return "contradicts other closures";
+    case ClosureVerdict::removed_by_hand:
+      return "removed by hand";
   }
   return "unknown";
+}
+
+std::string reason(const Closure& closure) {
+  if (closure.verdict != ClosureVerdict::accepted) return to_string(closure.verdict);
+  if (closure.source == ClosureSource::hand) return "added by hand";
+  if (!closure.trusted) return to_string(closure.verdict);
+  std::string text = "fixed by hand";
+  if (closure.first_verdict == ClosureVerdict::accepted) return text;
+  return text.append("; ").append(to_string(closure.first_verdict));
+}
+
+bool enters_graph(const Closure& closure) {
+  if (closure.verdict == ClosureVerdict::removed_by_hand) return false;
+  return closure.trusted || closure.first_verdict == ClosureVerdict::accepted;
 }
 
 void require_valid(const ClosureValidationOptions& options) {
@@ -122,6 +136,33 @@ void require_valid(const ClosureValidationOptions& options) {
   require_between("min_wall_agreement", options.min_wall_agreement, 0.0, 1.0);
   require_between("min_observability", options.min_observability, 0.0, 0.33);
 }
+
+Information information_of(const Closure& closure) {
+  Twist sigmas;
+  if (closure.sigmas) {
+    sigmas << Eigen::Vector3d::Constant(closure.sigmas->metres),
+        Eigen::Vector3d::Constant(closure.sigmas->radians);
+    return information_at_keypose(sigmas, closure.center_in_query);
+  }
+  const double arms = closure.center_in_query.norm() +
+                      (closure.reference_from_query * closure.center_in_query).norm();
+  sigmas.head<3>().setConstant(std::hypot(best_translation, bend_translation * arms));
+  sigmas.tail<3>().setConstant(std::hypot(best_rotation, bend_rotation * std::sqrt(arms)));
+  return information_at_keypose(sigmas, closure.center_in_query);
+}
+
+namespace {
+
+/// Fills in what a pose alone decides.
+void lay_over(const SurfelCloud& query, const SurfelReference& reference, Closure& closure) {
+  const Overlay laid = overlay(query, reference.fine(), closure.reference_from_query);
+  closure.overlap = laid.overlap;
+  closure.wall_agreement = laid.wall_agreement;
+  closure.center_in_query = laid.center_in_query;
+  closure.information = information_of(closure);
+}
+
+}  // namespace
 
 Closure validate_closure(const SurfelCloud& query,
                          const SurfelReference& reference,
@@ -133,6 +174,7 @@ Closure validate_closure(const SurfelCloud& query,
   closure.residual_before = alignment.residual_before;
   closure.residual_after = alignment.residual_after;
   closure.reference_from_query = alignment.reference_from_query;
+  lay_over(query, reference, closure);
   if (!alignment.converged) {
     // Along an open direction a registration may slide for ever.
     closure.verdict = alignment.pairs > 0 && observability(alignment) < options.min_observability
@@ -140,11 +182,6 @@ Closure validate_closure(const SurfelCloud& query,
                           : ClosureVerdict::no_convergence;
     return closure;
   }
-  const Overlay laid = overlay(query, reference.fine(), alignment.reference_from_query);
-  closure.overlap = laid.overlap;
-  closure.wall_agreement = laid.wall_agreement;
-  closure.center_in_query = laid.center_in_query;
-  closure.information = information_of(closure);
   if (closure.overlap < options.min_overlap) {
     closure.verdict = ClosureVerdict::low_overlap;
   } else if (observability(alignment) < options.min_observability) {
@@ -152,6 +189,18 @@ Closure validate_closure(const SurfelCloud& query,
   } else if (closure.wall_agreement < options.min_wall_agreement) {
     closure.verdict = ClosureVerdict::walls_disagree;
   }
+  return closure;
+}
+
+Closure measure_closure(const SurfelCloud& query,
+                        const SurfelReference& reference,
+                        const Rigid3& reference_from_query) {
+  Closure closure;
+  const double residual = register_surfels(query, reference, reference_from_query).residual_before;
+  closure.residual_before = residual;
+  closure.residual_after = residual;
+  closure.reference_from_query = reference_from_query;
+  lay_over(query, reference, closure);
   return closure;
 }
 

@@ -9,7 +9,7 @@
 #include <queue>
 #include <utility>
 
-#include "kissmap/loop_closing/loop_closer.hpp"
+#include "kissmap/loop_closing/loop_correction.hpp"
 
 namespace kissmap {
 namespace {

@@ -20,19 +20,6 @@ constexpr int max_rounds = 5;
 constexpr double expected_walls = 2.0 / 3.0;
 constexpr double new_guess = 1.0;  // m; a guess this far from one tried is another
 
-bool was_measured(const Closure& closure) {
-  return closure.verdict == ClosureVerdict::accepted ||
-         closure.verdict == ClosureVerdict::refused_by_graph;
-}
-
-PoseGraphEdge edge_of(const Closure& closure) {
-  return {closure.reference_id,
-          closure.query_id,
-          closure.reference_from_query,
-          closure.information,
-          EdgeKind::closure};
-}
-
 }  // namespace
 
 void require_valid(const LoopClosingOptions& options) {
@@ -51,15 +38,11 @@ void LoopCloser::add(const LocalMap& local_map) {
   if (local_map.id == 0) {
     map_from_local_map_.push_back(local_map.map_from_local_map);
   } else {
-    const Rigid3 last_from_this = odometry_keypose_.inverse() * local_map.map_from_local_map;
-    odometry_.push_back({local_map.id - 1,
-                         local_map.id,
-                         last_from_this,
-                         odometry_information(path_lengths_.back()),
-                         EdgeKind::odometry});
+    const Rigid3 last_from_this =
+        odometry_keyposes_.back().inverse() * local_map.map_from_local_map;
     map_from_local_map_.push_back(map_from_local_map_.back() * last_from_this);
   }
-  odometry_keypose_ = local_map.map_from_local_map;
+  odometry_keyposes_.push_back(local_map.map_from_local_map);
   path_lengths_.push_back(local_map.path_length);
   if (!options_.enabled) return;
   compare_to_neighbor(local_map);
@@ -78,7 +61,7 @@ void LoopCloser::add(const LocalMap& local_map) {
 void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
   if (latest_opening_) {
     const std::uint32_t neighbor = local_map.id - 1;
-    const Rigid3 guess = odometry_.back().from_from_to;
+    const Rigid3 guess = odometry_keyposes_[neighbor].inverse() * odometry_keyposes_.back();
     const Closure found =
         validate_closure(local_map.opening, *latest_opening_, guess, neighbor_validation);
     const Rigid3 off = guess.inverse() * found.reference_from_query;
@@ -100,7 +83,7 @@ bool LoopCloser::consider(const SurfelCloud& query,
                           ClosureSource source,
                           int inliers) {
   const bool known = std::ranges::any_of(closures_, [ids](const Closure& closure) {
-    return was_measured(closure) && Pair{closure.query_id, closure.reference_id} == ids;
+    return enters_graph(closure) && Pair{closure.query_id, closure.reference_id} == ids;
   });
   if (known) return false;
   const SurfelReference reference(surfels_(ids.second), voxel_size_);
@@ -111,6 +94,7 @@ bool LoopCloser::consider(const SurfelCloud& query,
   closure.source = source;
   closure.inliers = inliers;
   closure.verdict = weigh_against_drift(closure);
+  closure.first_verdict = closure.verdict;
   closures_.push_back(closure);
   return closure.verdict == ClosureVerdict::accepted;
 }
@@ -134,33 +118,19 @@ ClosureVerdict LoopCloser::weigh_against_drift(const Closure& closure) const {
 }
 
 PoseGraph LoopCloser::graph() const {
-  PoseGraph graph;
+  PoseGraph graph = keypose_graph(odometry_keyposes_, path_lengths_, closures_);
   graph.map_from_node = map_from_local_map_;
-  graph.edges = odometry_;
-  for (const Closure& closure : closures_) {
-    if (was_measured(closure)) graph.edges.push_back(edge_of(closure));
-  }
   return graph;
 }
 
-std::vector<double> LoopCloser::edge_weights() const {
-  std::vector<double> weights(odometry_.size(), 1.0);
-  for (const Closure& closure : closures_) {
-    if (!was_measured(closure)) continue;
-    weights.push_back(closure.verdict == ClosureVerdict::accepted ? 1.0 : 0.0);
-  }
-  return weights;
+LoopEvidence LoopCloser::evidence() const {
+  return {odometry_keyposes_, path_lengths_, closures_, neighbors_};
 }
 
 void LoopCloser::optimise() {
   const PoseGraphSolution solution = optimize(graph(), {});
   map_from_local_map_ = solution.map_from_node;
-  std::size_t edge = odometry_.size();
-  for (Closure& closure : closures_) {
-    if (!was_measured(closure)) continue;
-    closure.verdict = solution.edge_weights[edge++] > 0.5 ? ClosureVerdict::accepted
-                                                          : ClosureVerdict::refused_by_graph;
-  }
+  set_verdicts(solution.edge_weights, closures_);
 }
 
 void LoopCloser::look_again() {

@@ -6,14 +6,13 @@
 #include <limits>
 
 #include "kissmap/error.hpp"
-#include "kissmap/loop_closing/loop_closer.hpp"
+#include "kissmap/loop_closing/loop_correction.hpp"
 
 namespace kissmap {
 namespace {
 
-constexpr double link_translation = 0.05;    // m, standard deviation
-constexpr double closure_rotation = 0.004;   // rad
-constexpr double neighbor_rotation = 0.002;  // rad
+constexpr ClosureSigmas closure_sigmas{0.05, 0.004};
+constexpr ClosureSigmas neighbor_sigmas{0.05, 0.002};
 
 /// The scans of one local map: [first, end).
 struct Range {
@@ -64,10 +63,10 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
                    std::uint32_t reference,
                    std::uint32_t query,
                    const Rigid3& reference_map_from_query_map,
-                   double rotation) {
+                   const ClosureSigmas& sigmas) {
   Information information = Information::Zero();
-  information.diagonal().head<3>().setConstant(1.0 / (link_translation * link_translation));
-  information.diagonal().tail<3>().setConstant(1.0 / (rotation * rotation));
+  information.diagonal().head<3>().setConstant(1.0 / (sigmas.metres * sigmas.metres));
+  information.diagonal().tail<3>().setConstant(1.0 / (sigmas.radians * sigmas.radians));
   return {reference,
           query,
           scans[reference].local_map_from_lidar.inverse() * reference_map_from_query_map *
@@ -109,7 +108,7 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
         nearest_scan(scans, ranges[closure.reference_id], closure.reference_from_query * center),
         nearest_scan(scans, ranges[closure.query_id], center),
         closure.reference_from_query,
-        closure_rotation));
+        closure.sigmas.value_or(closure_sigmas)));
   }
   for (const NeighborLink& neighbor : neighbors) {
     if (neighbor.reference_id + 1 >= ranges.size()) {
@@ -125,7 +124,7 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
                                reference.first + neighbor.reference_scan,
                                query.first + neighbor.query_scan,
                                neighbor.reference_from_query,
-                               neighbor_rotation));
+                               neighbor_sigmas));
   }
   PoseGraphOptions options;
   options.robust = false;

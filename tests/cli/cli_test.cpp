@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <map>
 #include <nlohmann/json.hpp>
 
+#include "support/folder_content.hpp"
 #include "support/program.hpp"
 #include "support/small_log.hpp"
 #include "support/temp_dir.hpp"
@@ -23,17 +23,6 @@ using testing::Not;
 ProgramResult kissmap(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), KISSMAP_BINARY);
   return run_program(arguments);
-}
-
-/// Every file of a folder with its content.
-std::map<std::string, std::string> content_of(const fs::path& folder) {
-  std::map<std::string, std::string> content;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) {
-      content[fs::relative(entry.path(), folder).string()] = file_text(entry.path());
-    }
-  }
-  return content;
 }
 
 void write_text(const fs::path& path, const std::string& text) {

@@ -34,6 +34,11 @@ class GraphEditsTest : public testing::Test {
     apply(read_graph_edits(file_), ids, graph);
     return graph;
   }
+  GraphEdits read(const std::string& text) const {
+    std::ofstream(file_) << text;
+    return read_graph_edits(file_);
+  }
+  std::string file() const { return file_.string(); }
   std::string refusal(const std::string& text, const PoseGraph& graph = triangle()) const {
     try {
       edited(text, graph);
@@ -85,6 +90,19 @@ TEST_F(GraphEditsTest, EditsApplyInOrder) {
   EXPECT_THAT(refusal("remove 10 30\nfix 10 30\n"), HasSubstr("edits.txt:2: there is no edge"));
 }
 
+TEST_F(GraphEditsTest, PosesMayBeMissingWhereTheyCanBeFound) {
+  const std::string text =
+      "add 30 20 # find it\nadd 10 30 near 1 2 3 0 0 0 1\nadd 1 2 1 2 3 0 0 0 1\n";
+  const GraphEdits edits = read(text);
+  EXPECT_EQ(edits.text, text);
+  ASSERT_EQ(edits.edits.size(), 3U);
+  EXPECT_FALSE(edits.edits[0].from_from_to);
+  EXPECT_TRUE(edits.edits[1].is_guess);
+  EXPECT_THAT(*edits.edits[1].from_from_to, PoseNear(Rigid3{{1, 0, 0, 0}, {1, 2, 3}}, 0.0, 0.0));
+  EXPECT_FALSE(edits.edits[2].is_guess);
+  EXPECT_EQ(edits.error(edits.edits[1], "so").what(), file() + ":2: so");
+}
+
 TEST_F(GraphEditsTest, MistakesAreErrorsWithTheirLine) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"\nmerge 10 20\n", "edits.txt:2: unknown edit 'merge'; known are remove, fix and add"},
@@ -94,6 +112,11 @@ TEST_F(GraphEditsTest, MistakesAreErrorsWithTheirLine) {
       {"remove 10 40\n", ":1: there is no node 40"},
       {"remove 10 20 30\n", ":1: unexpected '30'"},
       {"add 10 20 1 2 3\n", ":1: qx is missing"},
+      {"add 10 20\n", ":1: only in a session"},
+      {"add 10 20 near 1 2 3 0 0 0 1\n", ":1: only in a session"},
+      {"add 10 20 near\n", ":1: x is missing"},
+      {"add 10 20 far 1 2 3 0 0 0 1\n", ":1: x is 'far'"},
+      {"add 10 20 near 1 2 3 0 0 0 1 0.1 0.1\n", ":1: unexpected '0.1 0.1'"},
       {"add 10 20 1 2 3 0 0 0 2\n", ":1: the quaternion"},
       {"add 10 20 1 2 3 0 0 0 1 0.5\n", ":1: sigma_rad is missing"},
       {"add 10 20 1 2 3 0 0 0 1 0 1\n", ":1: sigma_m is a standard deviation"},

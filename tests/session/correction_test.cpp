@@ -5,6 +5,7 @@
 
 #include "kissmap/formats/g2o.hpp"
 #include "kissmap/formats/session.hpp"
+#include "kissmap/formats/session_update.hpp"
 #include "session/example_session.hpp"
 #include "support/temp_dir.hpp"
 
@@ -56,6 +57,7 @@ class CorrectedSession : public testing::Test {
     }
     correction_.closures = {closure(2, 0, ClosureVerdict::accepted),
                             closure(1, 0, ClosureVerdict::walls_disagree)};
+    correction_.neighbors = {{0, small_motion(0.7), 3, 4}, {1, small_motion(-0.2), 0, 1}};
     correction_.graph.map_from_node = correction_.map_from_local_map;
     for (std::uint32_t i = 1; i < example_.local_maps.size(); ++i) {
       correction_.graph.edges.push_back({i - 1, i, small_motion(1.0), Information::Identity()});
@@ -73,7 +75,10 @@ class CorrectedSession : public testing::Test {
     EXPECT_NE(at, std::string::npos) << name << " has no " << from;
     damaged.replace(at, from.size(), to);
     write_file(path_ / name, damaged);
-    const std::string error = error_of([&] { read_session(path_); });
+    const std::string error = error_of([&] {
+      read_session(path_);
+      read_session_evidence(path_);
+    });
     write_file(path_ / name, whole);
     return error;
   }
@@ -81,7 +86,7 @@ class CorrectedSession : public testing::Test {
   TempDir folder_;
   std::filesystem::path path_ = folder_.path() / "session";
   Session example_;
-  SessionCorrection correction_;
+  LoopCorrection correction_;
 };
 
 TEST_F(CorrectedSession, ReadersTakeTheCorrectedPoses) {
@@ -123,6 +128,20 @@ TEST_F(CorrectedSession, KeepsEveryFigureOfAClosure) {
               AllOf(HasSubstr("refused,steep surfaces disagree"), HasSubstr("accepted,accepted")));
 }
 
+TEST_F(CorrectedSession, KeepsTheLinksOfNeighbours) {
+  const std::vector<NeighborLink> read = read_session_evidence(path_).loops.neighbors;
+  ASSERT_EQ(read.size(), correction_.neighbors.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const NeighborLink& link = correction_.neighbors[i];
+    EXPECT_EQ(read[i].reference_id, link.reference_id);
+    EXPECT_EQ(read[i].reference_scan, link.reference_scan);
+    EXPECT_EQ(read[i].query_scan, link.query_scan);
+    EXPECT_EQ(read[i].reference_from_query.translation, link.reference_from_query.translation);
+    EXPECT_EQ(read[i].reference_from_query.rotation.coeffs(),
+              link.reference_from_query.rotation.coeffs());
+  }
+}
+
 TEST_F(CorrectedSession, TheGraphIsAG2oFile) {
   const GraphFile file = read_g2o(path_ / "pose_graph.g2o");
   EXPECT_EQ(file.ids.size(), example_.local_maps.size());
@@ -134,12 +153,29 @@ TEST_F(CorrectedSession, DamageIsNamed) {
               AllOf(HasSubstr("closures.csv"), HasSubstr("no local map")));
   EXPECT_THAT(error_with("closures.csv", "steep surfaces disagree", "bad weather"),
               HasSubstr("none of the known words"));
+  EXPECT_THAT(error_with("closures.csv", "steep surfaces disagree", "fixed by hand; by me"),
+              HasSubstr("none of the known words"));
+  EXPECT_THAT(error_with("closures.csv", "steep surfaces disagree", "fixed by hands"),
+              HasSubstr("none of the known words"));
+  EXPECT_THAT(error_with("closures.csv", ",trajectory,", ",hand,"), HasSubstr("holds 1 rows"));
+  EXPECT_THAT(error_with("neighbors.csv", "\n1,2,", "\n1,0,"),
+              AllOf(HasSubstr("neighbors.csv"), HasSubstr("line 3"), HasSubstr("after")));
+  EXPECT_THAT(error_with("neighbors.csv", "\n1,2,", "\n2,3,"), HasSubstr("no local map"));
   EXPECT_THAT(error_with("keyposes.csv", "\n1,", "\n2,"),
               AllOf(HasSubstr("keyposes.csv"), HasSubstr("line 3")));
   EXPECT_THAT(error_with("poses.csv", "\n3,", "\n7,"), HasSubstr("line 2"));
   const std::string poses = read_file(path_ / "poses.csv");
   write_file(path_ / "poses.csv", poses.substr(0, poses.rfind('\n', poses.size() - 2) + 1));
   EXPECT_THAT(error_of([&] { read_session(path_); }), HasSubstr("fewer rows"));
+}
+
+TEST_F(CorrectedSession, MissingMeasurementsAreNamed) {
+  for (const char* name : {"closures.csv", "neighbors.csv"}) {
+    std::filesystem::rename(path_ / name, folder_.path() / "away");
+    EXPECT_THAT(error_of([&] { read_session_evidence(path_); }),
+                AllOf(HasSubstr(name), HasSubstr("holds 0 rows")));
+    std::filesystem::rename(folder_.path() / "away", path_ / name);
+  }
 }
 
 TEST(SessionCorrectionTest, MustPlaceEveryScan) {

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
-namespace kissmap {
+#include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/mapping/local_map.hpp"
 
-struct Session;
+namespace kissmap {
 
 /// 8-bit RGB image, row 0 on top.
 struct Picture {
@@ -24,5 +26,17 @@ void write_png(const Picture& picture, const std::filesystem::path& path);
 /// scale bar in metres. Reads the local maps one by one.
 /// The longer side has at most `max_pixels` pixels.
 Picture draw_map_from_above(const std::filesystem::path& session_folder, int max_pixels = 2000);
+
+/// What the tables of a session say of its map.
+struct MapLayout {
+  std::vector<LocalMap> local_maps;  ///< with their keyposes; surfels are not looked at
+  std::vector<Eigen::Vector3d> trajectory;
+  std::vector<Closure> closures;
+};
+
+/// The same picture for other poses than those in the tables: only the surfels are read.
+Picture draw_map_from_above(const std::filesystem::path& session_folder,
+                            const MapLayout& layout,
+                            int max_pixels = 2000);
 
 }  // namespace kissmap

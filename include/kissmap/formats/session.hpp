@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "kissmap/formats/scan_log.hpp"
-#include "kissmap/graph/pose_graph.hpp"
-#include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/loop_closing/loop_correction.hpp"
 #include "kissmap/mapping/local_map.hpp"
 #include "kissmap/mapping/stamp_gaps.hpp"
 
@@ -72,21 +71,13 @@ struct SessionScan {
   MappedScan mapped;
 };
 
-/// What closing loops made of a session.
-struct SessionCorrection {
-  std::vector<Rigid3> map_from_local_map;  ///< keyposes by id
-  std::vector<Rigid3> map_from_lidar;      ///< one a scan, in the order they were added
-  std::vector<Closure> closures;           ///< all candidates
-  PoseGraph graph;                         ///< of the keyposes
-  std::vector<double> edge_weights;        ///< of the graph: 1 believed, 0 refused
-};
-
 /// A finished session, without the points of its local maps.
 struct Session {
   std::filesystem::path path;
   SessionManifest manifest;
   std::vector<SessionScan> scans;
   std::vector<LocalMap> local_maps;  ///< surfels empty, see read_local_map_surfels
+  bool corrected = false;            ///< loops were looked for, or closed by hand
   std::vector<Closure> closures;     ///< candidates, accepted or not; information left out
 };
 
@@ -110,7 +101,7 @@ class SessionWriter {
 
   /// Places the scans and local maps anew: their poses by odometry stay in the tables, but all
   /// readers take these. Call after the last scan and local map, before finish(), or never.
-  void correct(const SessionCorrection& correction);
+  void correct(const LoopCorrection& correction);
 
   /// The folder being written, for pictures and packs that belong inside it.
   const std::filesystem::path& partial_path() const;
@@ -129,6 +120,9 @@ bool is_session(const std::filesystem::path& path);
 /// Throws Error(input) naming file, line and cure; a newer format version or a session that was
 /// never finished is such an error.
 Session read_session(const std::filesystem::path& path);
+
+/// Throws Error(input) naming the first local map whose file is not there.
+void require_local_maps(const Session& session);
 
 /// The surfels of one local map of a session, in the local_map frame.
 SurfelCloud read_local_map_surfels(const std::filesystem::path& session, std::uint32_t id);

@@ -11,6 +11,7 @@
 #include "kissmap/graph/pose_graph.hpp"
 #include "kissmap/loop_closing/closure.hpp"
 #include "kissmap/loop_closing/closure_validation.hpp"
+#include "kissmap/loop_closing/loop_correction.hpp"
 #include "kissmap/loop_closing/map_outline.hpp"
 #include "kissmap/loop_closing/place_search.hpp"
 #include "kissmap/mapping/local_map.hpp"
@@ -25,10 +26,6 @@ struct LoopClosingOptions {
 };
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const LoopClosingOptions& options);
-
-/// Information of an odometry edge over a path of `length` [m]: a random walk of 3 cm and 3 mrad
-/// for the first metre.
-Information odometry_information(double length);
 
 /// Closes loops between local maps as they come, and keeps the graph of their keyposes
 /// (METHOD section 3). Memory grows with the number of local maps by their features only; surfels
@@ -50,20 +47,9 @@ class LoopCloser {
   /// matched, until nothing new is found. Call once, last.
   void look_again();
 
-  /// All candidates that were validated, in the order of their validation.
-  const std::vector<Closure>& closures() const { return closures_; }
-
-  /// Registrations of local maps to the ones just before them that hold, in order of the query.
-  const std::vector<NeighborLink>& neighbors() const { return neighbors_; }
-
-  /// Keyposes by id, corrected; the first is the identity.
-  const std::vector<Rigid3>& map_from_local_map() const { return map_from_local_map_; }
-
-  /// Keyposes with an edge for each stretch of odometry and for each closure that geometry bears
-  /// out, those the graph refused included.
-  PoseGraph graph() const;
-  /// Of the graph's edges: 1 believed, 0 refused.
-  std::vector<double> edge_weights() const;
+  /// All that was measured: candidates in the order of their validation, neighbours in order of
+  /// the query. The verdicts guided the search; correct_loops() has the last word.
+  LoopEvidence evidence() const;
 
  private:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< query, reference
@@ -75,6 +61,7 @@ class LoopCloser {
                 int inliers);
   void compare_to_neighbor(const LocalMap& local_map);
   ClosureVerdict weigh_against_drift(const Closure& closure) const;
+  PoseGraph graph() const;
   void optimise();
   bool look_again_from(std::uint32_t query_id);
   std::vector<std::uint32_t> overlapping(std::uint32_t query_id) const;
@@ -83,10 +70,9 @@ class LoopCloser {
   double voxel_size_;
   SurfelSource surfels_;
   PlaceSearch search_;
-  std::vector<Rigid3> map_from_local_map_;
-  std::vector<PoseGraphEdge> odometry_;  ///< from each local map to the next
-  std::vector<double> path_lengths_;     ///< m, of each local map
-  Rigid3 odometry_keypose_;              ///< of the latest local map, as the mapper gave it
+  std::vector<Rigid3> map_from_local_map_;  ///< corrected so far
+  std::vector<Rigid3> odometry_keyposes_;   ///< as the mapper gave them
+  std::vector<double> path_lengths_;        ///< m, of each local map
   std::vector<Closure> closures_;
   std::vector<NeighborLink> neighbors_;
   std::optional<SurfelReference> latest_opening_;

@@ -94,5 +94,46 @@ TEST(ClosureValidation, RefusesACorridorThatLooksTheSameEverywhere) {
   EXPECT_EQ(closure.verdict, ClosureVerdict::unobservable);
 }
 
+TEST(ClosureValidation, MeasuresAPoseWithoutChangingIt) {
+  const auto world = block_world(6);
+  const Rigid3 truth = planar_motion(-6.0, 2.0, 100.0);
+  const SurfelCloud query = surfels_of(moved(truth.inverse(), world));
+  const SurfelReference reference(surfels_of(world), 0.5);
+  const Closure exact = measure_closure(query, reference, truth);
+  EXPECT_THAT(exact.reference_from_query, PoseNear(truth, 0.0, 1e-12));
+  EXPECT_EQ(exact.residual_before, exact.residual_after);
+  const Closure off = measure_closure(query, reference, truth * planar_motion(0.5, 0.2, 1.0));
+  EXPECT_GT(exact.overlap, off.overlap);
+  EXPECT_GT(exact.wall_agreement, off.wall_agreement);
+  EXPECT_LT(exact.residual_after, off.residual_after);
+}
+
+TEST(ClosureValidation, WhatDidNotComeToRestIsMeasuredToo) {
+  const Rigid3 somewhere = Rigid3{Eigen::Quaterniond::Identity(), {7.0, 0.0, 0.0}};
+  const SurfelCloud query = surfels_of(corridor(-20.0F, 20.0F));
+  const SurfelReference reference(surfels_of(corridor(-30.0F, 30.0F)), 0.5);
+  const Closure slid = validate_closure(query, reference, somewhere, {});
+  const Closure again = measure_closure(query, reference, slid.reference_from_query);
+  EXPECT_GT(slid.overlap, 0.0);
+  EXPECT_EQ(slid.overlap, again.overlap);
+  EXPECT_EQ(slid.center_in_query, again.center_in_query);
+  EXPECT_EQ(slid.information, again.information);
+}
+
+TEST(ClosureInformation, CountsErrorsWhereTheLocalMapsMeet) {
+  Closure closure;
+  closure.center_in_query = {20.0, -7.0, 2.0};
+  closure.sigmas = ClosureSigmas{0.3, 0.02};
+  const Information information = information_of(closure);
+  const Rigid3 query_from_center{Eigen::Quaterniond::Identity(), closure.center_in_query};
+  for (int axis = 0; axis < 6; ++axis) {
+    Twist at_center = Twist::Zero();
+    at_center(axis) = 1e-5;
+    const Twist at_keypose = log(query_from_center * exp(at_center) * query_from_center.inverse());
+    const double sigma = axis < 3 ? 0.3 : 0.02;
+    EXPECT_NEAR(at_keypose.dot(information * at_keypose) * sigma * sigma / 1e-10, 1.0, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace kissmap
