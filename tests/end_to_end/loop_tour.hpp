@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <vector>
+
+#include "kissmap/loop_closing/loop_closer.hpp"
+#include "kissmap/mapping/mapper.hpp"
+#include "simulator/simulator.hpp"
+#include "support/trajectory_error.hpp"
+
+namespace kissmap {
+
+/// Number of seeds to test: 1, or KISSMAP_SEEDS.
+inline std::uint64_t seeds() {
+  const char* text = std::getenv("KISSMAP_SEEDS");
+  return text == nullptr ? 1 : std::strtoull(text, nullptr, 10);
+}
+
+/// A tour mapped scan by scan with loops closed, and the truth beside it.
+class LoopTour {
+ public:
+  void add(const Scan& scan, const simulator::Simulator& simulator) {
+    const MapperStep step = mapper_.add(scan);
+    const auto& mapped = std::get<MappedScan>(step.scan);
+    const Rigid3 true_pose = simulator.map_from_lidar(mapped.pose_stamp_ns);
+    if (places_.empty()) true_keyposes_.push_back(true_pose);
+    if (step.closed) true_keyposes_.push_back(true_pose);
+    places_.push_back({mapped.local_map_id, mapped.local_map_from_lidar});
+    stamps_.push_back(mapped.pose_stamp_ns);
+    odometry_[mapped.pose_stamp_ns] = mapped.map_from_lidar.translation;
+    truth_[mapped.pose_stamp_ns] = true_pose.translation;
+    close(step.closed);
+  }
+
+  void finish() {
+    close(mapper_.finish());
+    loops_.look_again();
+    correction_ = correct_loops(places_, loops_.evidence());
+  }
+
+  const std::vector<LocalMap>& local_maps() const { return local_maps_; }
+  const std::vector<ScanPlace>& places() const { return places_; }
+  const LoopCorrection& correction() const { return correction_; }
+  LoopEvidence evidence() const { return loops_.evidence(); }
+  double odometry_ate() const { return trajectory_error(odometry_, truth_).ate; }
+
+  double ate(const LoopCorrection& correction) const {
+    Positions corrected;
+    for (std::size_t i = 0; i < stamps_.size(); ++i) {
+      corrected[stamps_[i]] = correction.map_from_lidar[i].translation;
+    }
+    return trajectory_error(corrected, truth_).ate;
+  }
+
+  Rigid3 true_reference_from_query(std::uint32_t reference, std::uint32_t query) const {
+    return true_keyposes_[reference].inverse() * true_keyposes_[query];
+  }
+
+  /// Ids of local maps that truly show, by the overlap of 40 %, what one not among the three before
+  /// them showed.
+  std::vector<std::uint32_t> revisits() const {
+    std::vector<SurfelMap> maps;
+    std::vector<std::uint32_t> ids;
+    for (const LocalMap& local_map : local_maps_) {
+      maps.emplace_back(local_map.surfels, LocalMapOptions{}.voxel_size);
+    }
+    for (std::uint32_t query = 4; query < maps.size(); ++query) {
+      for (std::uint32_t reference = 0; reference + 4 <= query; ++reference) {
+        if (overlap(local_maps_[query].surfels,
+                    maps[reference],
+                    true_reference_from_query(reference, query)) < 0.4) {
+          continue;
+        }
+        ids.push_back(query);
+        break;
+      }
+    }
+    return ids;
+  }
+
+  std::vector<Closure> accepted() const {
+    std::vector<Closure> closures;
+    std::ranges::copy_if(
+        correction_.closures, std::back_inserter(closures), [](const Closure& closure) {
+          return closure.verdict == ClosureVerdict::accepted;
+        });
+    return closures;
+  }
+
+ private:
+  void close(const std::optional<LocalMap>& local_map) {
+    if (!local_map) return;
+    local_maps_.push_back(*local_map);
+    loops_.add(*local_map);
+  }
+
+  ThreadPool pool_;
+  Mapper mapper_{{}, {}, pool_};
+  std::vector<LocalMap> local_maps_;
+  LoopCloser loops_{{}, LocalMapOptions{}.voxel_size, [this](std::uint32_t id) {
+                      return local_maps_[id].surfels;
+                    }};
+  std::vector<Rigid3> true_keyposes_;
+  std::vector<ScanPlace> places_;
+  std::vector<std::int64_t> stamps_;
+  Positions odometry_;
+  Positions truth_;
+  LoopCorrection correction_;
+};
+
+/// Every accepted closure is where the truth puts it, measured where the two local maps meet;
+/// keyposes are off by what each local map is bent.
+inline void expect_true_closures(const LoopTour& tour, double metres) {
+  for (const Closure& closure : tour.accepted()) {
+    const Rigid3 truth = tour.true_reference_from_query(closure.reference_id, closure.query_id);
+    const Eigen::Vector3d center = closure.center_in_query;
+    EXPECT_LT((truth * center - closure.reference_from_query * center).norm(), metres)
+        << closure.query_id << " to " << closure.reference_id;
+    EXPECT_LT((truth.inverse() * closure.reference_from_query).angle(), 0.1)
+        << closure.query_id << " to " << closure.reference_id;
+  }
+}
+
+/// At least nine of ten revisits are found.
+inline void expect_most_found(const LoopTour& tour, const std::vector<std::uint32_t>& revisits) {
+  const std::vector<Closure> accepted = tour.accepted();
+  const auto missed = std::ranges::count_if(revisits, [&accepted](std::uint32_t id) {
+    return std::ranges::find(accepted, id, &Closure::query_id) == accepted.end();
+  });
+  EXPECT_LE(10 * missed, static_cast<std::ptrdiff_t>(revisits.size()));
+}
+
+}  // namespace kissmap
