@@ -102,10 +102,10 @@ MappedLog map_log(ScanLog& log,
                   const RunOutputs& outputs,
                   const std::function<void(const RunProgress&)>& progress) {
   Books books;
-  const auto write_map = [&](const std::optional<LocalMap>& closed) {
+  const auto write_map = [&](std::optional<LocalMap> closed) {
     if (!closed) return;
     outputs.session.add_local_map(*closed);
-    outputs.loops.add(*closed);
+    outputs.loops.add(std::move(*closed));
     ++books.totals.local_maps;
   };
   StampWatch stamps(log);
@@ -122,7 +122,7 @@ MappedLog map_log(ScanLog& log,
     }
     const auto& scan = std::get<Scan>(entry->content);
     books.totals.counts.points_dropped += scan.dropped;
-    const MapperStep step = mapper.add(scan);
+    MapperStep step = mapper.add(scan);
     if (const auto* refusal = std::get_if<ScanRefusal>(&step.scan)) {
       books.refuse(*entry, to_string(*refusal), "");
       continue;
@@ -130,7 +130,7 @@ MappedLog map_log(ScanLog& log,
     const auto& mapped = std::get<MappedScan>(step.scan);
     books.use(*entry, mapped, scan.stamp_is_index);
     outputs.session.add_scan({entry->index, mapped});
-    write_map(step.closed);
+    write_map(std::move(step.closed));
     progress({books.totals.counts.scans_read,
               log.info().scan_count,
               books.totals.log_seconds,
@@ -138,6 +138,7 @@ MappedLog map_log(ScanLog& log,
   }
   if (books.totals.counts.scans_used == 0) refuse_log(log, books.totals.counts);
   write_map(mapper.finish());
+  outputs.loops.finish();
   return books.finish();
 }
 

@@ -8,8 +8,8 @@
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/graph/trajectory_spread.hpp"
-#include "kissmap/loop_closing/loop_closer.hpp"
 #include "kissmap/mapping/mapper.hpp"
+#include "loop_worker.hpp"
 #include "progress.hpp"
 
 namespace kissmap {
@@ -26,7 +26,7 @@ struct MappedLog {
 /// What takes in the scans and local maps of a run as they come.
 struct RunOutputs {
   SessionWriter& session;
-  LoopCloser& loops;
+  LoopWorker& loops;
   PackWriter* pack = nullptr;  ///< takes every entry of the log, if there is one
 };
 

@@ -34,10 +34,20 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(const RunProgress& progress) {
-  const Clock::time_point now = Clock::now();
-  if (!enabled_ || now < next_) return;
-  next_ = now + redraw_interval;
-  std::fprintf(stderr, "\r%s\033[K", describe(progress, seconds()).c_str());
+  if (is_due()) draw(describe(progress, seconds()));
+}
+
+void ProgressLine::show(const std::string& state) {
+  if (is_due()) draw(state);
+}
+
+bool ProgressLine::is_due() const {
+  return enabled_ && Clock::now() >= next_;
+}
+
+void ProgressLine::draw(const std::string& text) {
+  next_ = Clock::now() + redraw_interval;
+  std::fprintf(stderr, "\r%s\033[K", text.c_str());
 }
 
 double ProgressLine::seconds() const {

@@ -22,10 +22,14 @@ class ProgressLine {
   explicit ProgressLine(bool enabled);
   ~ProgressLine();
   void show(const RunProgress& progress);
+  void show(const std::string& state);
   double seconds() const;  ///< since construction
 
  private:
   using Clock = std::chrono::steady_clock;
+  bool is_due() const;
+  void draw(const std::string& text);
+
   bool enabled_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point next_ = start_;

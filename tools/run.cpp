@@ -60,9 +60,13 @@ void report(const RunCommand& command,
 std::optional<LoopCorrection> close_loops(const std::vector<ScanPlace>& places,
                                           const LoopClosingOptions& options,
                                           LoopCloser& loops,
+                                          ProgressLine& line,
                                           SessionWriter& session) {
   if (!options.enabled) return std::nullopt;
-  loops.look_again();
+  loops.look_again([&line](int round, std::uint32_t done, std::uint32_t of) {
+    line.show(text("second look for loops, round %d: %u/%u local maps", round + 1, done, of));
+  });
+  line.show("correcting the trajectory");
   LoopCorrection correction = correct_loops(places, loops.evidence());
   session.correct(correction);
   return correction;
@@ -88,8 +92,9 @@ void write_session(const RunCommand& command,
   {
     ProgressLine line(!command.quiet);
     const auto show = [&line](const RunProgress& progress) { line.show(progress); };
-    mapped = map_log(log, mapper, {session, loops, pack ? &*pack : nullptr}, show);
-    correction = close_loops(mapped.places, configuration.loop_closing, loops, session);
+    LoopWorker worker(loops);
+    mapped = map_log(log, mapper, {session, worker, pack ? &*pack : nullptr}, show);
+    correction = close_loops(mapped.places, configuration.loop_closing, loops, line, session);
     seconds = line.seconds();
   }
   manifest.log.files = log.files();

@@ -18,7 +18,9 @@ constexpr std::size_t looks_per_local_map = 3;  // in each round of the second l
 constexpr int max_rounds = 5;
 // Of min_wall_agreement, for a closure where odometry expects it.
 constexpr double expected_walls = 2.0 / 3.0;
-constexpr double new_guess = 1.0;  // m; a guess this far from one tried is another
+// A guess this far from the one tried is another.
+constexpr double other_translation = 1.0;  // m
+constexpr double other_rotation = 0.2;     // rad
 
 }  // namespace
 
@@ -49,6 +51,7 @@ void LoopCloser::add(const LocalMap& local_map) {
   outlines_.emplace_back(local_map.surfels, outline_voxels * voxel_size_);
   bool found = false;
   for (const PlaceCandidate& candidate : search_.add(local_map.id, local_map.points)) {
+    if (!is_new({local_map.id, candidate.id}, candidate.reference_from_query)) continue;
     found |= consider(local_map.surfels,
                       {local_map.id, candidate.id},
                       candidate.reference_from_query,
@@ -77,15 +80,22 @@ void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
   latest_opening_scans_ = local_map.opening_scans;
 }
 
+bool LoopCloser::is_new(Pair ids, const Rigid3& guess_reference_from_query) {
+  const auto [tried, first] = tried_.try_emplace(ids, guess_reference_from_query);
+  if (first) return true;
+  const Rigid3 off = tried->second.inverse() * guess_reference_from_query;
+  if (off.translation.norm() < other_translation && off.angle() < other_rotation) return false;
+  tried->second = guess_reference_from_query;
+  return std::ranges::none_of(closures_, [ids](const Closure& closure) {
+    return enters_graph(closure) && Pair{closure.query_id, closure.reference_id} == ids;
+  });
+}
+
 bool LoopCloser::consider(const SurfelCloud& query,
                           Pair ids,
                           const Rigid3& guess_reference_from_query,
                           ClosureSource source,
                           int inliers) {
-  const bool known = std::ranges::any_of(closures_, [ids](const Closure& closure) {
-    return enters_graph(closure) && Pair{closure.query_id, closure.reference_id} == ids;
-  });
-  if (known) return false;
   const SurfelReference reference(surfels_(ids.second), voxel_size_);
   Closure closure =
       validate_closure(query, reference, guess_reference_from_query, options_.validation);
@@ -133,11 +143,16 @@ void LoopCloser::optimise() {
   set_verdicts(solution.edge_weights, closures_);
 }
 
-void LoopCloser::look_again() {
+void LoopCloser::look_again(const LookProgress& progress) {
   if (!options_.enabled || !options_.second_look) return;
+  tried_.clear();  // what was too far from the odometry may not be from the corrected trajectory
   for (int round = 0; round < max_rounds; ++round) {
     bool found = false;
-    for (std::uint32_t id = 0; id < map_from_local_map_.size(); ++id) found |= look_again_from(id);
+    const auto local_maps = static_cast<std::uint32_t>(map_from_local_map_.size());
+    for (std::uint32_t id = 0; id < local_maps; ++id) {
+      if (progress) progress(round, id, local_maps);
+      found |= look_again_from(id);
+    }
     if (!found) return;
     optimise();
   }
@@ -149,11 +164,7 @@ bool LoopCloser::look_again_from(std::uint32_t query_id) {
   for (const std::uint32_t reference_id : overlapping(query_id)) {
     const Rigid3 guess =
         map_from_local_map_[reference_id].inverse() * map_from_local_map_[query_id];
-    const auto [tried, first] = tried_.try_emplace({query_id, reference_id}, guess);
-    if (!first) {
-      if ((tried->second.inverse() * guess).translation.norm() < new_guess) continue;
-      tried->second = guess;
-    }
+    if (!is_new({query_id, reference_id}, guess)) continue;
     if (query.size() == 0) query = surfels_(query_id);
     found |= consider(query, {query_id, reference_id}, guess, ClosureSource::trajectory, 0);
   }

@@ -36,6 +36,10 @@ class LoopCloser {
   /// Gives back the surfels of a local map that was added before.
   using SurfelSource = std::function<SurfelCloud(std::uint32_t id)>;
 
+  /// Hears how far a second look is: round from 0, local maps done, of how many.
+  using LookProgress =
+      std::function<void(int round, std::uint32_t local_maps, std::uint32_t of_local_maps)>;
+
   /// `voxel_size` [m] is that of the local maps' grids.
   LoopCloser(const LoopClosingOptions& options, double voxel_size, SurfelSource surfels);
 
@@ -45,7 +49,7 @@ class LoopCloser {
 
   /// Looks again at pairs of local maps that overlap in the corrected trajectory and were not
   /// matched, until nothing new is found. Call once, last.
-  void look_again();
+  void look_again(const LookProgress& progress = {});
 
   /// All that was measured: candidates in the order of their validation, neighbours in order of
   /// the query. The verdicts guided the search; correct_loops() has the last word.
@@ -54,6 +58,8 @@ class LoopCloser {
  private:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< query, reference
 
+  /// Whether the pair was not tried from about this guess, and not closed; notes the guess.
+  bool is_new(Pair ids, const Rigid3& guess_reference_from_query);
   bool consider(const SurfelCloud& query,
                 Pair ids,
                 const Rigid3& guess_reference_from_query,
@@ -78,7 +84,7 @@ class LoopCloser {
   std::optional<SurfelReference> latest_opening_;
   std::uint32_t latest_opening_scans_ = 0;
   std::vector<MapOutline> outlines_;  ///< by id
-  std::map<Pair, Rigid3> tried_;      ///< along the trajectory, with the guess
+  std::map<Pair, Rigid3> tried_;      ///< with the latest guess
 };
 
 }  // namespace kissmap
