@@ -46,7 +46,7 @@ std::string closures_header() {
 
 std::string neighbors_header() {
   return "reference_id,query_id," + pose_columns("reference_from_query") +
-         ",reference_scan,query_scan";
+         ",reference_scan,query_scan,extent";
 }
 
 std::string closure_row(const Closure& closure, const std::vector<std::int64_t>& stamps_ns) {
@@ -133,6 +133,8 @@ NeighborLink read_neighbor(TableReader& table, std::size_t local_maps) {
   link.reference_from_query = table.pose();
   link.reference_scan = table.unsigned_integer_32();
   link.query_scan = table.unsigned_integer_32();
+  link.extent = table.number();
+  if (!(link.extent > 0.0)) throw table.error("extent is not above 0");
   table.end_row();
   return link;
 }
@@ -176,6 +178,7 @@ void write_neighbors(const fs::path& session, const std::vector<NeighborLink>& n
                    .pose(link.reference_from_query)
                    .number(std::uint64_t{link.reference_scan})
                    .number(std::uint64_t{link.query_scan})
+                   .number(link.extent)
                    .line());
   }
   file.close();

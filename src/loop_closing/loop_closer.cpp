@@ -22,6 +22,18 @@ constexpr double expected_walls = 2.0 / 3.0;
 constexpr double other_translation = 1.0;  // m
 constexpr double other_rotation = 0.2;     // rad
 
+/// Root mean square distance of the surfels from their mean [m].
+double extent_of(const SurfelCloud& surfels) {
+  const auto count = static_cast<double>(surfels.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double squares = 0.0;
+  for (const Eigen::Vector3f& point : surfels.means) {
+    mean += point.cast<double>() / count;
+    squares += point.cast<double>().squaredNorm() / count;
+  }
+  return std::sqrt(std::max(0.0, squares - mean.squaredNorm()));
+}
+
 }  // namespace
 
 void require_valid(const LoopClosingOptions& options) {
@@ -73,7 +85,8 @@ void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
       neighbors_.push_back({neighbor,
                             found.reference_from_query,
                             latest_opening_scans_ / 2,
-                            local_map.opening_scans / 2});
+                            local_map.opening_scans / 2,
+                            extent_of(local_map.opening)});
     }
   }
   latest_opening_.emplace(local_map.opening, voxel_size_);

@@ -12,7 +12,15 @@ namespace kissmap {
 namespace {
 
 constexpr ClosureSigmas closure_sigmas{0.05, 0.004};
+// How well openings fit that reach far. The less far they reach, the fewer surfaces there are, and
+// the shorter are the levers that turn them.
 constexpr ClosureSigmas neighbor_sigmas{0.05, 0.002};
+constexpr double far_reaching = 25.0;  // m
+
+ClosureSigmas sigmas_of(const NeighborLink& neighbor) {
+  const double share = std::min(1.0, neighbor.extent / far_reaching);
+  return {neighbor_sigmas.metres / share, neighbor_sigmas.radians / (share * share)};
+}
 
 /// The scans of one local map: [first, end).
 struct Range {
@@ -124,7 +132,7 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
                                reference.first + neighbor.reference_scan,
                                query.first + neighbor.query_scan,
                                neighbor.reference_from_query,
-                               neighbor_sigmas));
+                               sigmas_of(neighbor)));
   }
   PoseGraphOptions options;
   options.robust = false;

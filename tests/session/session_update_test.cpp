@@ -86,7 +86,7 @@ class SessionUpdates : public testing::Test {
       made.map_from_local_map.push_back(random_pose(random));
     }
     made.graph.map_from_node = made.map_from_local_map;
-    made.neighbors = {{0, random_pose(random), 1, 2}};
+    made.neighbors = {{0, random_pose(random), 1, 2, 7.25}};
     made.closures = all_reasons();
     return made;
   }

@@ -75,6 +75,7 @@ struct NeighborLink {
   Rigid3 reference_from_query;       ///< between the keyposes
   std::uint32_t reference_scan = 0;  ///< middle scan of the opening, counted in its local map
   std::uint32_t query_scan = 0;
+  double extent = 0.0;  ///< m, root mean square distance of the query's surfels from their mean
 };
 
 }  // namespace kissmap
