@@ -17,7 +17,7 @@ constexpr ClosureValidationOptions neighbor_validation{0.05, 0.45, 0.01};
 constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
 constexpr int max_rounds = 5;
 // Of min_wall_agreement, for a closure where odometry expects it.
-constexpr double expected_walls = 2.0 / 3.0;
+constexpr double expected_walls = 0.5;
 // A guess this far from the one tried is another.
 constexpr double other_translation = 1.0;  // m
 constexpr double other_rotation = 0.2;     // rad
@@ -94,14 +94,16 @@ void LoopCloser::compare_to_neighbor(const LocalMap& local_map) {
 }
 
 bool LoopCloser::is_new(Pair ids, const Rigid3& guess_reference_from_query) {
+  const bool closed = std::ranges::any_of(closures_, [ids](const Closure& closure) {
+    return enters_graph(closure) && Pair{closure.query_id, closure.reference_id} == ids;
+  });
+  if (closed) return false;
   const auto [tried, first] = tried_.try_emplace(ids, guess_reference_from_query);
   if (first) return true;
   const Rigid3 off = tried->second.inverse() * guess_reference_from_query;
   if (off.translation.norm() < other_translation && off.angle() < other_rotation) return false;
   tried->second = guess_reference_from_query;
-  return std::ranges::none_of(closures_, [ids](const Closure& closure) {
-    return enters_graph(closure) && Pair{closure.query_id, closure.reference_id} == ids;
-  });
+  return true;
 }
 
 bool LoopCloser::consider(const SurfelCloud& query,

@@ -45,6 +45,7 @@ TEST_P(LoopTours, AllClosuresAreTrueMostRevisitsAreFoundAndDriftIsGone) {
     LoopTour tour;
     map_tour(scenario, tour);
     expect_true_closures(tour, 1.0);
+    expect_each_pair_once(tour);
     const std::vector<std::uint32_t> revisits = tour.revisits();
     EXPECT_GE(revisits.size(), 3U) << "the tour meets its own way";
     expect_most_found(tour, revisits);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kissmap/loop_closing/loop_closer.hpp"
@@ -124,6 +125,16 @@ inline void expect_true_closures(const LoopTour& tour, double metres) {
     EXPECT_LT((truth.inverse() * closure.reference_from_query).angle(), 0.1)
         << closure.query_id << " to " << closure.reference_id;
   }
+}
+
+/// No pair of local maps is closed twice.
+inline void expect_each_pair_once(const LoopTour& tour) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const Closure& closure : tour.accepted()) {
+    pairs.emplace_back(closure.query_id, closure.reference_id);
+  }
+  std::ranges::sort(pairs);
+  EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
 }
 
 /// At least nine of ten revisits are found.
