@@ -57,7 +57,8 @@ class CorrectedSession : public testing::Test {
     }
     correction_.closures = {closure(2, 0, ClosureVerdict::accepted),
                             closure(1, 0, ClosureVerdict::walls_disagree)};
-    correction_.neighbors = {{0, small_motion(0.7), 3, 4, 12.5}, {1, small_motion(-0.2), 0, 1, 0.1}};
+    correction_.neighbors = {{0, small_motion(0.7), 3, 4, 12.5},
+                             {1, small_motion(-0.2), 0, 1, 0.1}};
     correction_.graph.map_from_node = correction_.map_from_local_map;
     for (std::uint32_t i = 1; i < example_.local_maps.size(); ++i) {
       correction_.graph.edges.push_back({i - 1, i, small_motion(1.0), Information::Identity()});
