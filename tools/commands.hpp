@@ -47,6 +47,7 @@ struct OptimizeCommand {
   PoseGraphOptions options;
   bool drop_coupling = false;  ///< of edges with negative information
   bool overwrite = false;
+  bool quiet = false;
   std::string graph_option;  ///< given, though it has a meaning for graphs only; empty: none
 };
 void optimize(const OptimizeCommand& command);

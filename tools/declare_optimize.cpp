@@ -55,6 +55,7 @@ CLI::App& declare_optimize(CLI::App& app, OptimizeCommand& c) {
       ->type_name("OUT");
   command.add_option("--edits", c.edits, edits_help)->type_name("FILE");
   command.add_flag("--overwrite", c.overwrite, "replace OUT if it is a .g2o file or a session");
+  command.add_flag("--quiet", c.quiet, "print errors only");
   declare_graph_options(command, c);
   return command;
 }

@@ -8,8 +8,8 @@
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/graph/trajectory_spread.hpp"
+#include "kissmap/loop_closing/loop_worker.hpp"
 #include "kissmap/mapping/mapper.hpp"
-#include "loop_worker.hpp"
 #include "progress.hpp"
 
 namespace kissmap {

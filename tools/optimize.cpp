@@ -125,7 +125,7 @@ void optimize(const OptimizeCommand& command) {
   const Outcome outcome = solve(command, file);
   file.graph.map_from_node = outcome.solution.map_from_node;
   write_g2o(file, command.output, outcome.solution.edge_weights);
-  report(command, file, outcome);
+  if (!command.quiet) report(command, file, outcome);
 }
 
 }  // namespace kissmap

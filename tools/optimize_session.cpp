@@ -178,6 +178,7 @@ void optimize_session(const OptimizeCommand& command) {
   } else {
     copy_session(session, update, command.output, command.overwrite);
   }
+  if (command.quiet) return;
   report(session,
          update,
          command.output.empty() ? command.input : command.output,

@@ -21,20 +21,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array file_names = {manifest_file_name,
-                                   configuration_file_name,
-                                   scans_file_name,
-                                   local_maps_file_name,
-                                   keyposes_file_name,
-                                   poses_file_name,
-                                   closures_file_name,
-                                   neighbors_file_name,
-                                   graph_file_name,
-                                   tum_file_name,
-                                   kitti_file_name,
-                                   picture_file_name,
-                                   edits_file_name,
-                                   pack_file_name};
+constexpr std::array measured_file_names = {manifest_file_name,
+                                            configuration_file_name,
+                                            scans_file_name,
+                                            local_maps_file_name,
+                                            pack_file_name};
+
+bool is_file_name(std::string_view name) {
+  const auto same = [name](const char* known) { return name == known; };
+  return std::ranges::any_of(measured_file_names, same) ||
+         std::ranges::any_of(derived_file_names, same);
+}
 
 fs::file_type type_of(const fs::path& path) {
   std::error_code code;
@@ -53,9 +50,8 @@ std::string_view without_partial(std::string_view name) {
 
 bool is_session_file(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
-  const std::string_view base = without_partial(name);
   return entry.symlink_status().type() == fs::file_type::regular &&
-         std::ranges::any_of(file_names, [base](const char* known) { return base == known; });
+         is_file_name(without_partial(name));
 }
 
 bool is_local_map_file(const fs::directory_entry& entry) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -22,6 +23,16 @@ inline constexpr const char* tum_file_name = "trajectory.tum";
 inline constexpr const char* kitti_file_name = "trajectory_kitti.txt";
 inline constexpr const char* picture_file_name = "map.png";
 inline constexpr const char* edits_file_name = "edits.txt";
+/// Files that follow from evidence and edits; a session has those that were written for it.
+inline constexpr std::array derived_file_names = {edits_file_name,
+                                                  keyposes_file_name,
+                                                  poses_file_name,
+                                                  closures_file_name,
+                                                  neighbors_file_name,
+                                                  graph_file_name,
+                                                  tum_file_name,
+                                                  kitti_file_name,
+                                                  picture_file_name};
 /// Folder in which `kissmap optimize` gets ready what it will put in place.
 inline constexpr const char* staging_folder_name = "optimize.partial";
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/formats/session_update.hpp"
 
-#include <array>
 #include <fstream>
 #include <system_error>
 
@@ -20,17 +19,6 @@ namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Files that follow from evidence and edits; a session has those that were written for it.
-constexpr std::array derived_names = {edits_file_name,
-                                      keyposes_file_name,
-                                      poses_file_name,
-                                      closures_file_name,
-                                      neighbors_file_name,
-                                      graph_file_name,
-                                      tum_file_name,
-                                      kitti_file_name,
-                                      picture_file_name};
 
 /// The measurements are nowhere else: an update may not lose any.
 void require_complete(const SessionEvidence& session, const SessionUpdate& update) {
@@ -112,7 +100,7 @@ class StagingFolder {
 };
 
 void put_in_place(const fs::path& staging, const fs::path& session) {
-  for (const char* name : derived_names) {
+  for (const char* name : derived_file_names) {
     std::error_code code;
     if (fs::exists(staging / name)) {
       rename_path(staging / name, session / name);

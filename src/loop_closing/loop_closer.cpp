@@ -125,21 +125,20 @@ bool LoopCloser::consider(const SurfelCloud& query,
 }
 
 ClosureVerdict LoopCloser::weigh_against_drift(const Closure& closure) const {
+  const bool fits = closure.verdict == ClosureVerdict::accepted;
+  // Local maps that are bent themselves do not fit well even where they belong together.
+  const bool nearly_fits =
+      closure.verdict == ClosureVerdict::walls_disagree &&
+      closure.wall_agreement >= expected_walls * options_.validation.min_wall_agreement;
+  if (!fits && !nearly_fits) return closure.verdict;
   const Rigid3 expected =
       map_from_local_map_[closure.reference_id].inverse() * map_from_local_map_[closure.query_id];
   const Rigid3 off = expected.inverse() * closure.reference_from_query;
   const double length =
       drift_length(graph(), path_lengths_, closure.reference_id, closure.query_id);
-  if (closure.verdict == ClosureVerdict::accepted && !within_drift(off, length)) {
-    return ClosureVerdict::beyond_drift;
-  }
-  // Local maps that are bent themselves do not fit well even where they belong together.
-  if (closure.verdict == ClosureVerdict::walls_disagree &&
-      closure.wall_agreement >= expected_walls * options_.validation.min_wall_agreement &&
-      is_expected(off, length)) {
-    return ClosureVerdict::accepted;
-  }
-  return closure.verdict;
+  if (fits && !within_drift(off, length)) return ClosureVerdict::beyond_drift;
+  if (nearly_fits && !is_expected(off, length)) return closure.verdict;
+  return ClosureVerdict::accepted;
 }
 
 PoseGraph LoopCloser::graph() const {

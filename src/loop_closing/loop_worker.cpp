@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "loop_worker.hpp"
+#include "kissmap/loop_closing/loop_worker.hpp"
 
 #include <utility>
 
