@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "declare_eval.hpp"
+#include "declare_export_grid.hpp"
 #include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
@@ -25,6 +26,7 @@ struct Commands {
   InfoCommand info;
   PackCommand pack;
   OptimizeCommand optimize;
+  ExportGridCommand export_grid;
   EvalCommand eval;
   std::map<const CLI::App*, std::function<void()>> action;
 };
@@ -90,6 +92,9 @@ void declare_others(CLI::App& app, Commands& commands) {
 
   commands.action[&declare_optimize(app, commands.optimize)] = [&c = commands.optimize] {
     optimize(c);
+  };
+  commands.action[&declare_export_grid(app, commands.export_grid)] = [&c = commands.export_grid] {
+    export_grid(c);
   };
   commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
