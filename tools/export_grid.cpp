@@ -179,6 +179,25 @@ void require_new(const std::vector<std::filesystem::path>& files, bool overwrite
   }
 }
 
+void require_options(const ExportGridCommand& command) {
+  const std::filesystem::path folder = command.output.parent_path();
+  std::error_code code;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, code)) {
+    throw output_error(folder, "no such folder; make it first");
+  }
+  require_valid(command.rule);
+  const std::vector<double>& crop = command.crop;
+  if (crop.size() == 4 && !(crop[0] < crop[2] && crop[1] < crop[3])) {
+    throw usage_error("--crop: give x and y of the lower corner, then of the upper one [m]");
+  }
+  if (command.resolution != 0.0 || command.z_min || command.z_max) {
+    require_valid(GridBand{command.z_min.value_or(0.1),
+                           command.z_max.value_or(std::max(1.8, command.z_min.value_or(0.1) + 0.1)),
+                           command.resolution == 0.0 ? 0.05 : command.resolution,
+                           100.0});
+  }
+}
+
 struct Written {
   std::filesystem::path yaml;
   GridMap map;
@@ -264,7 +283,7 @@ void write_contents(const std::filesystem::path& file,
 }  // namespace
 
 void export_grid(const ExportGridCommand& command) {
-  require_valid(command.rule);
+  require_options(command);
   const Session session = read_session(command.session);
   const std::filesystem::path stem = stem_of(command.output);
   ProgressLine line(!command.quiet);

@@ -10,56 +10,65 @@
 namespace kissmap {
 namespace {
 
-/// Walks the voxels of a piece in order (Amanatides and Woo, Eurographics 1987). Calls with x, y,
-/// z.
-template <typename Call>
-void walk(const BandPiece& piece, int layers, const Call& call) {
-  Eigen::Vector3d from = piece.from;
-  const Eigen::Vector3d way = piece.to - piece.from;
-  // Only the part between the lowest and the highest layer.
+/// The part of a piece between the lowest and the highest layer, as shares of its way.
+struct Part {
   double begin = 0.0;
   double end = 1.0;
+};
+
+Part inside_layers(const BandPiece& piece, int layers) {
+  const double from = piece.from.z();
+  const double way = piece.to.z() - from;
   const double top = layers;
-  if (way.z() == 0.0) {
-    if (from.z() < 0.0 || from.z() >= top) return;
-  } else {
-    const double low = -from.z() / way.z();
-    const double high = (top - from.z()) / way.z();
-    begin = std::max(begin, std::min(low, high));
-    end = std::min(end, std::max(low, high));
-    if (begin >= end) return;
-  }
-  const Eigen::Vector3d first = from + begin * way;
-  const Eigen::Vector3d last = from + end * way;
-  std::array<int, 3> voxel{};
-  std::array<int, 3> step{};
-  std::array<double, 3> next{};    // share of the way at which the voxel changes along this axis
-  std::array<double, 3> across{};  // share of the way through one voxel
+  if (way == 0.0) return from < 0.0 || from >= top ? Part{1.0, 0.0} : Part{};
+  const double low = -from / way;
+  const double high = (top - from) / way;
+  return {std::max(0.0, std::min(low, high)), std::min(1.0, std::max(low, high))};
+}
+
+/// Walks the columns of a piece in order (Amanatides and Woo, Eurographics 1987). Calls with x, y
+/// and the lowest and the highest layer that the piece passes in that column.
+template <typename Call>
+void walk(const BandPiece& piece, int layers, const Call& call) {
+  const auto [begin, end] = inside_layers(piece, layers);
+  if (!(begin < end)) return;
+  const Eigen::Vector3d way = piece.to - piece.from;
+  const auto layer_at = [&](double share) {
+    return std::clamp(static_cast<int>(piece.from.z() + share * way.z()), 0, layers - 1);
+  };
+  std::array<int, 2> cell{};
+  std::array<int, 2> step{};
+  std::array<double, 2> next{};    // share of the way at which the cell changes along this axis
+  std::array<double, 2> across{};  // share of the way through one cell
   int steps = 0;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (int axis = 0; axis < 2; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    voxel[a] = static_cast<int>(std::floor(first[axis]));
-    int stop = static_cast<int>(std::floor(last[axis]));
-    if (axis == 2) {
-      voxel[a] = std::clamp(voxel[a], 0, layers - 1);
-      stop = std::clamp(stop, 0, layers - 1);
-    }
-    step[a] = stop > voxel[a] ? 1 : -1;
-    steps += std::abs(stop - voxel[a]);
-    const bool moves = stop != voxel[a];
-    const int border = step[a] > 0 ? voxel[a] + 1 : voxel[a];
-    next[a] = moves ? (border - from[axis]) / way[axis] : std::numeric_limits<double>::infinity();
+    cell[a] = static_cast<int>(std::floor(piece.from[axis] + begin * way[axis]));
+    const int stop = static_cast<int>(std::floor(piece.from[axis] + end * way[axis]));
+    step[a] = stop > cell[a] ? 1 : -1;
+    steps += std::abs(stop - cell[a]);
+    const bool moves = stop != cell[a];
+    const int border = step[a] > 0 ? cell[a] + 1 : cell[a];
+    next[a] =
+        moves ? (border - piece.from[axis]) / way[axis] : std::numeric_limits<double>::infinity();
     across[a] = moves ? step[a] / way[axis] : 0.0;
   }
-  call(voxel[0], voxel[1], voxel[2]);
-  for (int i = 0; i < steps; ++i) {
-    const std::size_t a =
-        next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-    voxel[a] += step[a];
+  int layer = layer_at(begin);
+  for (; steps > 0; --steps) {
+    const std::size_t a = next[0] < next[1] ? 0 : 1;
+    const int beyond = layer_at(std::min(next[a], end));
+    call(cell[0], cell[1], std::min(layer, beyond), std::max(layer, beyond));
+    layer = beyond;
+    cell[a] += step[a];
     next[a] += across[a];
-    if (voxel[2] < 0 || voxel[2] >= layers) return;
-    call(voxel[0], voxel[1], voxel[2]);
   }
+  const int last = layer_at(end);
+  call(cell[0], cell[1], std::min(layer, last), std::max(layer, last));
+}
+
+/// Words of 64 bits that hold a column.
+std::size_t words_of(int layers) {
+  return (static_cast<std::size_t>(layers) + 63) / 64;
 }
 
 std::int32_t tile_of(int cell) {
@@ -76,17 +85,20 @@ class BandVoxels::Marks {
     Mask misses;
   };
 
-  Marks(int layers, std::size_t words) : layers_(layers), words_(words) {}
+  explicit Marks(int layers) : layers_(layers), words_(words_of(layers)) {}
 
   void mark(const BandScan& part) {
     for (const BandPiece& piece : part.free) {
-      walk(piece, layers_, [this](int x, int y, int z) { set(tile(x, y).misses, x, y, z); });
+      walk(piece, layers_, [this](int x, int y, int low, int high) {
+        set(&tile(x, y).misses[first_word(x, y)], low, high);
+      });
     }
     for (const Eigen::Vector3d& hit : part.hits) {
-      if (hit.z() < 0.0 || hit.z() >= layers_) continue;
+      if (!(hit.z() >= 0.0 && hit.z() < layers_)) continue;
       const auto x = static_cast<int>(std::floor(hit.x()));
       const auto y = static_cast<int>(std::floor(hit.y()));
-      set(tile(x, y).hits, x, y, static_cast<int>(hit.z()));
+      const auto layer = static_cast<int>(hit.z());
+      set(&tile(x, y).hits[first_word(x, y)], layer, layer);
     }
   }
 
@@ -98,20 +110,26 @@ class BandVoxels::Marks {
     if (latest_ != nullptr && at == latest_at_) return *latest_;
     TileMarks& marks = tiles_[voxel_key(at)];
     if (marks.hits.empty()) {
-      marks.hits.assign(words_, 0);
-      marks.misses.assign(words_, 0);
+      marks.hits.assign(words_ * tile_cells * tile_cells, 0);
+      marks.misses.assign(words_ * tile_cells * tile_cells, 0);
     }
     latest_ = &marks;
     latest_at_ = at;
     return marks;
   }
 
-  void set(Mask& mask, int x, int y, int z) const {
-    const auto column =
-        static_cast<std::size_t>((y & (tile_cells - 1)) * tile_cells + (x & (tile_cells - 1)));
-    const std::size_t voxel =
-        column * static_cast<std::size_t>(layers_) + static_cast<std::size_t>(z);
-    mask[voxel / 64] |= std::uint64_t{1} << (voxel % 64);
+  std::size_t first_word(int x, int y) const {
+    return words_ *
+           static_cast<std::size_t>((y & (tile_cells - 1)) * tile_cells + (x & (tile_cells - 1)));
+  }
+
+  /// Sets the bits of layers low..high of a column.
+  static void set(std::uint64_t* column, int low, int high) {
+    for (int word = low / 64; word <= high / 64; ++word) {
+      const int first = std::max(low - 64 * word, 0);
+      const int last = std::min(high - 64 * word, 63);
+      column[word] |= (~std::uint64_t{0} << first) & (~std::uint64_t{0} >> (63 - last));
+    }
   }
 
   int layers_;
@@ -139,21 +157,21 @@ BandVoxels::Tile& BandVoxels::tile(VoxelKey key) {
 }
 
 void BandVoxels::apply(const Mask& hits, const Mask& misses, Tile& tile) const {
-  for (std::size_t word = 0; word < hits.size(); ++word) {
-    std::uint64_t changed = hits[word] | misses[word];
+  const std::size_t words = words_of(layers_);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    std::uint64_t changed = hits[i] | misses[i];
+    LogOdds* column = &tile.voxels[i / words * static_cast<std::size_t>(layers_) + i % words * 64];
     while (changed != 0) {
       const auto bit = static_cast<std::size_t>(std::countr_zero(changed));
       changed &= changed - 1;
-      LogOdds& voxel = tile.voxels[word * 64 + bit];
-      const bool hit = (hits[word] >> bit & 1U) != 0;
-      voxel = hit ? model_.after_hit(voxel) : model_.after_miss(voxel);
+      const bool hit = (hits[i] >> bit & 1U) != 0;
+      column[bit] = hit ? model_.after_hit(column[bit]) : model_.after_miss(column[bit]);
     }
   }
 }
 
 void BandVoxels::add(std::span<const BandScan> parts, ThreadPool& pool) {
-  const std::size_t words = (tile_voxels() + 63) / 64;
-  std::vector<Marks> marks(parts.size(), Marks(layers_, words));
+  std::vector<Marks> marks(parts.size(), Marks(layers_));
   pool.for_each_chunk(parts.size(), [&](std::size_t i) { marks[i].mark(parts[i]); });
   if (marks.empty()) return;
   auto& all = marks.front().tiles();
@@ -161,7 +179,7 @@ void BandVoxels::add(std::span<const BandScan> parts, ThreadPool& pool) {
     for (auto& [key, from] : marks[i].tiles()) {
       const auto [to, added] = all.try_emplace(key, std::move(from));
       if (added) continue;
-      for (std::size_t word = 0; word < words; ++word) {
+      for (std::size_t word = 0; word < from.hits.size(); ++word) {
         to->second.hits[word] |= from.hits[word];
         to->second.misses[word] |= from.misses[word];
       }

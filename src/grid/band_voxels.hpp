@@ -49,7 +49,7 @@ class BandVoxels {
     std::int32_t y = 0;
     std::vector<LogOdds> voxels;
   };
-  /// A bit for each voxel of a tile.
+  /// A bit for each voxel of a tile; each column begins a word.
   using Mask = std::vector<std::uint64_t>;
   class Marks;
 

@@ -8,12 +8,13 @@
 namespace kissmap {
 namespace {
 
-constexpr double slice_height = 0.1;     // m
-constexpr double steepest = 0.35;        // slope of ground, up from the sensor
-constexpr double most_above = 0.5;       // m, of ground above the sensor beside it
-constexpr float near_range = 8.0F;       // m; beyond, points count less
-constexpr float least_weight = 1.5F;     // of a slice: less is noise
-constexpr std::int32_t wall_slices = 3;  // this many in a row are no floor
+constexpr double slice_height = 0.1;          // m
+constexpr double steepest = 0.35;             // slope of ground, up from the sensor
+constexpr double most_above = 0.5;            // m, of ground above the sensor beside it
+constexpr float near_range = 8.0F;            // m; beyond, points count less
+constexpr float least_weight = 1.5F;          // of a slice: less is noise
+constexpr std::size_t enough_points = 16384;  // of a scan
+constexpr std::int32_t wall_slices = 3;       // this many in a row are no floor
 
 struct SliceRow {
   Voxel place;
@@ -43,7 +44,8 @@ FloorSampler::FloorSampler(double cell_size, double reach) : cell_size_(cell_siz
 void FloorSampler::add(const PlacedScan& scan, const Rigid3& level_from_map) {
   const Rigid3 level_from_lidar = level_from_map * scan.map_from_lidar;
   const auto reach_squared = static_cast<float>(reach_ * reach_);
-  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+  const std::size_t stride = scan.points.size() / enough_points + 1;
+  for (std::size_t i = 0; i < scan.points.size(); i += stride) {
     const float squared = (scan.points[i] - scan.origins[i]).squaredNorm();
     if (!(squared < reach_squared)) continue;
     const Eigen::Vector3d point = level_from_lidar * scan.points[i].cast<double>();

@@ -160,6 +160,26 @@ TEST(BandVoxelsTest, TheBandEndsExactlyWhereItEnds) {
   EXPECT_EQ(state(layers), CellState::unknown);
 }
 
+TEST(BandVoxelsTest, HighColumnsTakeSeveralWords) {
+  ThreadPool pool(1);
+  constexpr int high = 200;
+  for (const int layer : {0, 63, 64, 127, 128, 199}) {
+    BandVoxels voxels(high, {});
+    voxels.add(
+        std::vector<BandScan>{{{{{0.5, 0.5, 0.0}, {0.5, 0.5, high}}}, {{0.5, 0.5, layer + 0.5}}}},
+        pool);
+    const ColumnRule all_seen{0.5, 0.0, 1.0};
+    EXPECT_EQ(state_at(voxels.grid(1.0, all_seen), 0, 0), CellState::occupied);
+    voxels.add(std::vector<BandScan>(1, {{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}}),
+               pool);
+    voxels.add(std::vector<BandScan>(1, {{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}}),
+               pool);
+    voxels.add(std::vector<BandScan>(1, {{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}}),
+               pool);
+    EXPECT_EQ(state_at(voxels.grid(1.0, all_seen), 0, 0), CellState::free);
+  }
+}
+
 TEST(BandVoxelsTest, MemoryIsAByteAVoxelOfTheTilesMet) {
   ThreadPool pool(1);
   BandVoxels voxels(layers, {});
