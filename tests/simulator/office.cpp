@@ -54,6 +54,7 @@ class OfficeBuilder {
   void add_shell() {
     const OfficeOptions& o = office_.options;
     box(ObjectClass::floor, Rigid3{}, {-1, -1, -0.3}, {o.length + 1, o.width + 1, 0});
+    office_.world.floors.push_back({{Vector2d(-1, -1), Vector2d(o.length + 1, o.width + 1)}});
     box(ObjectClass::ceiling,
         Rigid3{},
         {-1, -1, o.height},
@@ -192,7 +193,7 @@ class OfficeBuilder {
     box(ObjectClass::desk, desk, {0, 0, top - 0.03}, {width, depth, top});
     for (const double x : {0.03, width - 0.08}) {
       for (const double y : {0.03, depth - 0.08}) {
-        box(ObjectClass::desk, desk, {x, y, 0}, {x + 0.05, y + 0.05, top - 0.03});
+        box(ObjectClass::desk_leg, desk, {x, y, 0}, {x + 0.05, y + 0.05, top - 0.03});
       }
     }
     const double screen = random_.uniform(0.1, width - 0.7);
