@@ -12,7 +12,7 @@ namespace kissmap {
 /// Fox: Probabilistic Robotics, 9.2; clamping: Yguel, Aycard, Laugier 2008).
 struct OccupancyOptions {
   double hit = 0.7;      ///< probability of a voxel with a hit in it, one scan
-  double miss = 0.4;     ///< the same of a voxel only seen through
+  double miss = 0.45;    ///< the same of a voxel only seen through
   double lowest = 0.12;  ///< probabilities are kept between these
   double highest = 0.97;
   double free_margin = 0.1;  ///< m before a hit that are not taken for free

@@ -142,8 +142,8 @@ TEST(BandVoxelsTest, WhatIsSeenThroughLaterIsFreeAgain) {
   const BandScan gone{{{{0.5, 0.5, 2.5}, {9.5, 0.5, 2.5}}}, {}};
   for (int i = 0; i < 1000; ++i) voxels.add(std::vector<BandScan>{there}, pool);
   EXPECT_EQ(state_at(voxels.grid(1.0, {}), 5, 0), CellState::occupied);
-  // Log-odds are clamped at 0.97: ten scans that miss are enough, however long it stood there.
-  for (int i = 0; i < 10; ++i) voxels.add(std::vector<BandScan>{gone}, pool);
+  // Log-odds are clamped at 0.97: twenty scans that miss are enough, however long it stood there.
+  for (int i = 0; i < 20; ++i) voxels.add(std::vector<BandScan>{gone}, pool);
   EXPECT_EQ(state_at(voxels.grid(1.0, {}), 5, 0), CellState::free);
 }
 
@@ -170,12 +170,8 @@ TEST(BandVoxelsTest, HighColumnsTakeSeveralWords) {
         pool);
     const ColumnRule all_seen{0.5, 0.0, 1.0};
     EXPECT_EQ(state_at(voxels.grid(1.0, all_seen), 0, 0), CellState::occupied);
-    voxels.add(std::vector<BandScan>(1, {{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}}),
-               pool);
-    voxels.add(std::vector<BandScan>(1, {{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}}),
-               pool);
-    voxels.add(std::vector<BandScan>(1, {{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}}),
-               pool);
+    const BandScan past{{{{0.5, 0.5, layer + 0.1}, {0.5, 0.5, layer + 0.9}}}, {}};
+    for (int i = 0; i < 6; ++i) voxels.add(std::vector<BandScan>{past}, pool);
     EXPECT_EQ(state_at(voxels.grid(1.0, all_seen), 0, 0), CellState::free);
   }
 }
