@@ -241,25 +241,48 @@ class OfficeBuilder {
     });
   }
 
-  // People keep to the outer edge of the corridors.
   void add_walkers() {
+    for (int k = 0; k < office_.options.walkers; ++k) {
+      if (k < 4 || k % 2 == 0) {
+        add_corridor_walker(k);
+      } else {
+        add_room_walker(k / 2);
+      }
+    }
+  }
+
+  // People keep to the outer edge of the corridors.
+  void add_corridor_walker(int k) {
     const Vector2d low = office_.ring.min() + Vector2d::Constant(0.4);
     const Vector2d high = office_.ring.max() - Vector2d::Constant(0.4);
     const Vector2d corners[4] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
-    for (int k = 0; k < office_.options.walkers; ++k) {
-      const Vector2d from = corners[k % 4];
-      const Vector2d along = corners[(k + 1) % 4] - from;
-      const double begin = random_.uniform(0.05, 0.3);
-      const double end = random_.uniform(0.6, 0.95);
-      const Rigid3 start = planar_frame(lifted(from + begin * along), 0.0);
-      MovingObject person;
-      person.parts.push_back(make_cylinder(ObjectClass::pedestrian, start, {0, 0, 0}, 0.2, 1.45));
-      person.parts.push_back(
-          make_cylinder(ObjectClass::pedestrian, start, {0, 0, 1.45}, 0.1, 0.27));
-      const Vector3d travel = lifted((end - begin) * along);
-      person.shuttle = {travel, travel.norm() * random_.uniform(2.5, 3.5), random_.uniform()};
-      office_.world.moving.push_back(person);
+    const Vector2d from = corners[k % 4];
+    const Vector2d along = corners[(k + 1) % 4] - from;
+    const double begin = random_.uniform(0.05, 0.3);
+    const double end = random_.uniform(0.6, 0.95);
+    add_person(from + begin * along, (end - begin) * along);
+  }
+
+  // To and fro behind the door of an outer room, where robots do not go.
+  void add_room_walker(int k) {
+    std::vector<const PlanRoom*> outer;
+    for (const PlanRoom& room : office_.rooms) {
+      if (!office_.core.contains(room.area.center())) outer.push_back(&room);
     }
+    const PlanDoor& door = outer[static_cast<std::size_t>(k) % outer.size()]->door;
+    const Vector2d aside(-door.into_room.y(), door.into_room.x());
+    const double depth = random_.uniform(1.5, 2.6);
+    add_person(door.middle + depth * door.into_room - 0.9 * aside, 1.8 * aside);
+  }
+
+  void add_person(const Vector2d& from, const Vector2d& way) {
+    const Rigid3 start = planar_frame(lifted(from), 0.0);
+    MovingObject person;
+    person.parts.push_back(make_cylinder(ObjectClass::pedestrian, start, {0, 0, 0}, 0.2, 1.45));
+    person.parts.push_back(make_cylinder(ObjectClass::pedestrian, start, {0, 0, 1.45}, 0.1, 0.27));
+    const Vector3d travel = lifted(way);
+    person.shuttle = {travel, travel.norm() * random_.uniform(2.5, 3.5), random_.uniform()};
+    office_.world.moving.push_back(person);
   }
 
   Office office_;

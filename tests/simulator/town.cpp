@@ -233,6 +233,10 @@ std::vector<Crossing> opposite_direction_route() {
           {0, 0}};
 }
 
+int free_lane_count(const TownOptions& options) {
+  return static_cast<int>(free_lanes(options.streets).size());
+}
+
 Town make_town(std::uint64_t seed, const TownOptions& options) {
   Random random{seed, town_stream};
   Town town;

@@ -17,11 +17,12 @@ struct ClassFacts {
 
 // In the order of ObjectClass.
 constexpr std::array<ClassFacts, object_classes> class_facts{{
-    {"ground", 0.15},    {"sidewalk", 0.3}, {"building", 0.5},   {"fence", 0.4},
-    {"hedge", 0.45},     {"trunk", 0.3},    {"crown", 0.55},     {"pole", 0.6},
-    {"parked_car", 0.7}, {"floor", 0.25},   {"ceiling", 0.8},    {"wall", 0.7},
-    {"door", 0.5},       {"desk", 0.45},    {"desk_leg", 0.45},  {"chair_leg", 0.35},
-    {"chair_seat", 0.2}, {"cabinet", 0.55}, {"moving_car", 0.7}, {"pedestrian", 0.4},
+    {"ground", 0.15},    {"sidewalk", 0.3}, {"building", 0.5},  {"fence", 0.4},
+    {"hedge", 0.45},     {"trunk", 0.3},    {"crown", 0.55},    {"pole", 0.6},
+    {"parked_car", 0.7}, {"floor", 0.25},   {"ceiling", 0.8},   {"wall", 0.7},
+    {"door", 0.5},       {"desk", 0.45},    {"desk_leg", 0.45}, {"chair_leg", 0.35},
+    {"chair_seat", 0.2}, {"cabinet", 0.55}, {"pillar", 0.6},    {"moving_car", 0.7},
+    {"pedestrian", 0.4},
 }};
 
 const ClassFacts& facts(ObjectClass object_class) {
@@ -127,6 +128,31 @@ std::optional<double> floor_height(const World& world, double x, double y, int l
     if (piece.on_level(level) && piece.area.contains(place)) return piece.height_at(place);
   }
   return std::nullopt;
+}
+
+void add_parked_car(World& world, const Rigid3& world_from_car, double length, Random& random) {
+  const double half = 0.5 * length;
+  const double cabin_front = random.uniform(0.1, 0.5) * length;
+  const double roof = random.uniform(1.35, 1.9);
+  world.primitives.push_back(
+      make_box(ObjectClass::parked_car, world_from_car, {-half, -0.88, 0.25}, {half, 0.88, 0.85}));
+  world.primitives.push_back(make_box(ObjectClass::parked_car,
+                                      world_from_car,
+                                      {-half + 0.2, -0.78, 0.85},
+                                      {cabin_front, 0.78, roof}));
+}
+
+void add_floor(World& world, ObjectClass object_class, const FloorPiece& piece, double depth) {
+  const Eigen::Vector2d middle = piece.area.center();
+  const Eigen::Vector2d half = 0.5 * piece.area.sizes();
+  const double height = piece.height_at(middle);
+  Primitive solid = make_box(object_class,
+                             Rigid3{},
+                             {middle.x() - half.x(), middle.y() - half.y(), height - depth},
+                             {middle.x() + half.x(), middle.y() + half.y(), height});
+  solid.slope = piece.slope;
+  world.primitives.push_back(solid);
+  world.floors.push_back(piece);
 }
 
 Eigen::Vector3d Shuttle::offset(double time) const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kissmap/geometry/rigid3.hpp"
+#include "simulator/random.hpp"
 
 namespace kissmap::simulator {
 
@@ -30,11 +31,12 @@ enum class ObjectClass : std::uint8_t {
   desk_leg,
   chair_leg,
   chair_seat,
-  cabinet,  // indoors
+  cabinet,
+  pillar,  // indoors
   moving_car,
   pedestrian,  // moving
 };
-inline constexpr int object_classes = 20;
+inline constexpr int object_classes = 21;
 const char* name(ObjectClass object_class);
 bool is_moving(ObjectClass object_class);
 
@@ -115,5 +117,12 @@ struct World {
 /// Exact height [m] of the floor of a level; the first of the pieces that meet there, nothing where
 /// the level has no floor.
 std::optional<double> floor_height(const World& world, double x, double y, int level = 0);
+
+/// The two boxes of a parked car on its wheels: x to its front, origin on the road below its
+/// middle.
+void add_parked_car(World& world, const Rigid3& world_from_car, double length, Random& random);
+
+/// Adds a piece of the floor and the solid below it, `depth` [m] thick.
+void add_floor(World& world, ObjectClass object_class, const FloorPiece& piece, double depth);
 
 }  // namespace kissmap::simulator
