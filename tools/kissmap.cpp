@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "declare_eval.hpp"
+#include "declare_export.hpp"
 #include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
@@ -26,6 +27,7 @@ struct Commands {
   PackCommand pack;
   OptimizeCommand optimize;
   EvalCommand eval;
+  ExportCloudCommand export_cloud;
   std::map<const CLI::App*, std::function<void()>> action;
 };
 
@@ -91,6 +93,8 @@ void declare_others(CLI::App& app, Commands& commands) {
   commands.action[&declare_optimize(app, commands.optimize)] = [&c = commands.optimize] {
     optimize(c);
   };
+  commands.action[&declare_export_cloud(app, commands.export_cloud)] =
+      [&c = commands.export_cloud] { export_cloud(c); };
   commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
   commands.action[app.add_subcommand("formats", "List the log formats")] = list_formats;
