@@ -12,8 +12,9 @@ void declare_what(CLI::App& command, ExportCloudCommand& c) {
       .add_option(
           "--voxel-size",
           c.voxel_size,
-          "thin to one real point in each cube of this size [m]: the one nearest to the mean "
-          "of what was seen in it; 0 keeps every point (max_range of the session / 1000)")
+          "thin to one real point in each cube of this size [m]: the one nearest to the mean of "
+          "what was seen in it till then, 0 keeps every point "
+          "(max_range of the session / 1000)")
       ->type_name("M")
       ->group(group);
   command
@@ -70,7 +71,8 @@ CLI::App& declare_export_cloud(CLI::App& app, ExportCloudCommand& c) {
                   "pointcloud_map_metadata.yaml of Autoware's map loader")
       ->type_name("M")
       ->check(CLI::Range(1, 100000));
-  command.add_flag("--compress", c.compress, "write .pcd files as binary_compressed");
+  command.add_flag(
+      "--compress", c.compress, "write .pcd files as binary_compressed, 4 GiB of points at most");
   command.add_option("--log", c.log, "where the log is now, if it moved")->type_name("PATH");
   command
       .add_option("--threads",

@@ -25,6 +25,9 @@ void require_options(const fs::path& output, const CloudExportOptions& options) 
   if (options.remove_outliers && !thinned) {
     throw usage_error(std::string("--remove-outliers") + wants_voxels);
   }
+  if (options.compress && options.tile_size == 0 && cloud_format(output) != CloudFormat::pcd) {
+    throw usage_error("--compress: is for .pcd files");
+  }
   if (options.tile_size < 0) throw usage_error("--tiles: is a length in whole metres");
   if (options.tile_size > 0) {
     if (!thinned) throw usage_error(std::string("--tiles") + wants_voxels);

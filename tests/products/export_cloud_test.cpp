@@ -203,14 +203,14 @@ TEST_F(ExportCloud, TheSameBytesOnEveryRunAndForAnyThreads) {
                                             "intensity,time,normals,scan,sensor",
                                             "--color",
                                             "height",
-                                            "--remove-outliers",
-                                            "--compress"};
-  for (const std::string name : {"cloud.pcd", "cloud.ply", "cloud.las", "tiles"}) {
+                                            "--remove-outliers"};
+  for (const std::string name : {"cloud.pcd", "packed.pcd", "cloud.ply", "cloud.las", "tiles"}) {
     std::vector<std::map<std::string, std::string>> contents;
     for (const char* threads : {"1", "4", "4"}) {
       std::vector<std::string> more = everything;
       more.insert(more.end(), {"--threads", threads, "--overwrite"});
       if (name == "tiles") more.insert(more.end(), {"--tiles", "5"});
+      if (name == "packed.pcd") more.push_back("--compress");
       const ProgramResult result = run(name, more);
       ASSERT_EQ(result.exit_code, 0) << result.err;
       contents.push_back(name == "tiles"
@@ -349,6 +349,7 @@ TEST_F(ExportCloud, UsageErrorsSayWhatToDo) {
       {"tiles", {"--tiles", "0.5"}, 2, "--tiles"},
       {"tiles", {"--tiles", "0"}, 2, "--tiles"},
       {"tiles", {"--tiles", "20", "--voxel-size", "0"}, 2, "--voxel-size"},
+      {"cloud.las", {"--compress"}, 2, "is for .pcd"},
       {"cloud.pcd", {"--voxel-size", "-1"}, 2, "--voxel-size"},
       {"cloud.pcd", {"--voxel-size", "nan"}, 2, "--voxel-size"},
       {"cloud.pcd", {"--voxel-size", "1e-9"}, 2, "too small"},
