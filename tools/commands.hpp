@@ -92,6 +92,26 @@ struct ExportGridCommand {
 };
 void export_grid(const ExportGridCommand& command);
 
+struct ExportCloudCommand {
+  std::filesystem::path session;
+  std::filesystem::path output;
+  std::filesystem::path log;
+  std::optional<double> voxel_size;  ///< m; none: from the session's configuration
+  std::string fields;                ///< empty: intensity where the log has it
+  std::string colour;                ///< "height", or empty
+  std::string crop;                  ///< xmin,ymin,xmax,ymax [m]; empty: all
+  std::filesystem::path crop_polygon;
+  std::optional<double> z_min;  ///< m
+  std::optional<double> z_max;
+  int tile_size = 0;  ///< m; 0: no tiles
+  int threads = 0;
+  bool remove_outliers = false;
+  bool compress = false;
+  bool overwrite = false;
+  bool quiet = false;
+};
+void export_cloud(const ExportCloudCommand& command);
+
 void list_formats();
 void print_default_configuration();
 

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "declare_eval.hpp"
+#include "declare_export_cloud.hpp"
 #include "declare_export_grid.hpp"
 #include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
@@ -28,6 +29,7 @@ struct Commands {
   OptimizeCommand optimize;
   ExportGridCommand export_grid;
   EvalCommand eval;
+  ExportCloudCommand export_cloud;
   std::map<const CLI::App*, std::function<void()>> action;
 };
 
@@ -96,6 +98,8 @@ void declare_others(CLI::App& app, Commands& commands) {
   commands.action[&declare_export_grid(app, commands.export_grid)] = [&c = commands.export_grid] {
     export_grid(c);
   };
+  commands.action[&declare_export_cloud(app, commands.export_cloud)] =
+      [&c = commands.export_cloud] { export_cloud(c); };
   commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
   commands.action[app.add_subcommand("formats", "List the log formats")] = list_formats;

@@ -12,4 +12,9 @@ void require_apart(const std::filesystem::path& source,
                    const std::string& what,
                    const std::filesystem::path& session);
 
+/// Throws Error(usage) if `output` is the folder or file `source`, called `what`, or inside it.
+void require_outside(const std::filesystem::path& output,
+                     const std::filesystem::path& source,
+                     const std::string& what);
+
 }  // namespace kissmap

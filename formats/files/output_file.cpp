@@ -79,6 +79,15 @@ void OutputFile::flush() {
   write_all(descriptor_, bytes, path_);
 }
 
+void OutputFile::rewrite_beginning(std::string_view bytes) {
+  if (bytes.size() > bytes_)
+    throw Error(Fault::internal, path_.string() + ": is shorter than that");
+  flush();
+  if (::lseek(descriptor_, 0, SEEK_SET) != 0) throw system_error(path_, "go back", errno);
+  write_all(descriptor_, bytes, path_);
+  if (::lseek(descriptor_, 0, SEEK_END) < 0) throw system_error(path_, "go back", errno);
+}
+
 void OutputFile::close() {
   flush();
   if (!sync_descriptor(descriptor_)) throw system_error(path_, "flush to disk", errno);

@@ -18,9 +18,10 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  void write(std::string_view bytes);  ///< may stay in memory until flush()
-  void flush();                        ///< hands all to the system: survives the end of the process
-  void close();                        ///< flushes to the disk: survives a power cut
+  void write(std::string_view bytes);              ///< may stay in memory until flush()
+  void rewrite_beginning(std::string_view bytes);  ///< flushes; no more bytes than were written
+  void flush();  ///< hands all to the system: survives the end of the process
+  void close();  ///< flushes to the disk: survives a power cut
 
   std::uint64_t bytes() const { return bytes_; }  ///< written so far
   const std::filesystem::path& path() const { return path_; }

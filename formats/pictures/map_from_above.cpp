@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <string>
 
 #include "formats/pictures/canvas.hpp"
+#include "formats/pictures/height_colour.hpp"
 #include "formats/pictures/map_raster.hpp"
 #include "formats/session/correction_tables.hpp"
 #include "formats/session/session_tables.hpp"
@@ -26,19 +26,6 @@ const Colour end_colour(0.95F, 0.16F, 0.13F);
 const Colour accepted_colour(0.35F, 1.00F, 0.45F);
 const Colour refused_colour(0.80F, 0.22F, 0.18F);
 const Colour ink(0.95F, 0.95F, 0.97F);
-
-// Low to high: blue, cyan, green, yellow. All of about the same lightness, which is left to tell
-// how dense the map is.
-Colour height_colour(float share) {
-  static const std::array<Colour, 4> ramp = {Colour(0.42F, 0.47F, 0.98F),
-                                             Colour(0.22F, 0.72F, 0.92F),
-                                             Colour(0.36F, 0.86F, 0.52F),
-                                             Colour(0.99F, 0.88F, 0.35F)};
-  const float place = std::clamp(share, 0.0F, 1.0F) * static_cast<float>(ramp.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(place), ramp.size() - 2);
-  const float rest = place - static_cast<float>(below);
-  return (1.0F - rest) * ramp[below] + rest * ramp[below + 1];
-}
 
 // Density above which a pixel is at full brightness: all but the densest 2 % of what is seen.
 float full_density(const std::vector<float>& density) {
@@ -62,6 +49,7 @@ void paint_map(Canvas& canvas, const MapView& view, const MapRaster& raster) {
                       static_cast<std::size_t>(x);
       const float density = raster.density[at] / full;
       if (density <= 0.0F) continue;
+      // All height colours are about equally light, so light is free to tell the density.
       const float light = std::min(std::log1p(contrast * density) / std::log1p(contrast), 1.0F);
       const float height = (raster.height[at] - static_cast<float>(view.low)) / range;
       canvas.blend(x,

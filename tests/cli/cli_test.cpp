@@ -53,7 +53,7 @@ class Cli : public testing::Test {
 TEST_F(Cli, VersionAndHelpSucceed) {
   EXPECT_THAT(kissmap({"--version"}).out, HasSubstr("kissmap 0."));
   for (const std::string command :
-       {"run", "optimize", "info", "pack", "eval", "formats", "config"}) {
+       {"run", "optimize", "info", "pack", "eval", "export-cloud", "formats", "config"}) {
     EXPECT_THAT(kissmap({"--help"}).out, HasSubstr(command));
     const ProgramResult help = kissmap({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);

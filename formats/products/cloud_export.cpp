@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/formats/cloud_export.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "formats/files/output_file.hpp"
+#include "formats/pictures/height_colour.hpp"
+#include "formats/pictures/map_raster.hpp"
+#include "formats/products/cloud_frame.hpp"
+#include "formats/products/export_target.hpp"
+#include "formats/products/session_points.hpp"
+#include "formats/products/tile_folder.hpp"
+#include "formats/session/session_folder.hpp"
+#include "kissmap/cloud/outliers.hpp"
+#include "kissmap/cloud/thinned_cloud.hpp"
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t year_2001_ns = 1'000'000'000'000'000'000;
+
+fs::path offset_path(const fs::path& output) {
+  return output.string() + ".offset.txt";
+}
+
+/// An offset that belonged to a cloud now replaced would move the new one.
+void remove_stale_offset(const fs::path& output) {
+  std::string begin(std::string_view(offset_file_begin).size(), '\0');
+  std::ifstream(offset_path(output)).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  std::error_code ignored;
+  if (begin == offset_file_begin) fs::remove(offset_path(output), ignored);
+}
+
+Error nothing_left(const Session& session, const CloudExportOptions& options) {
+  const auto from = [](double range) { return std::to_string(range); };
+  return usage_error(session.path.string() + ": no point is inside the crop and " +
+                     from(options.min_range) + " to " + from(options.max_range) +
+                     " m from the sensor; widen --crop, --crop-polygon, --z-min, --z-max");
+}
+
+/// One export, from what is asked for to what is written.
+class Exporter {
+ public:
+  Exporter(const Session& session,
+           const fs::path& output,
+           const CloudExportOptions& options,
+           ThreadPool& pool,
+           const ExportProgress& progress)
+      : session_(session), output_(output), options_(options), pool_(pool), progress_(progress) {}
+
+  CloudExportSummary run() {
+    resolve_fields();
+    resolve_frame();
+    if (options_.voxel_size > 0.0) {
+      write_thinned();
+    } else {
+      write_all();
+    }
+    return summary_;
+  }
+
+ private:
+  void resolve_fields() {
+    CloudFields& fields = writer_.fields;
+    fields = options_.fields;
+    if (options_.intensity_if_there) fields.intensity |= has_intensities(session_, options_);
+    if (fields.time && session_.manifest.log.stamp_source == "index") {
+      throw usage_error("--fields time: the log of this session has no stamps");
+    }
+    if (fields.rgb) {
+      std::vector<Eigen::Vector3d> trajectory;
+      for (const SessionScan& scan : session_.scans) {
+        trajectory.push_back(scan.mapped.map_from_lidar.translation);
+      }
+      view_ = choose_view(session_.path, session_.local_maps, trajectory, 1000);
+    }
+    summary_.fields = fields;
+  }
+
+  void resolve_frame() {
+    const Eigen::AlignedBox3d reach = reach_of(session_, options_.max_range);
+    writes_las_ = options_.tile_size == 0 && cloud_format(output_) == CloudFormat::las;
+    writer_.compress = options_.compress;
+    writer_.unix_time =
+        !session_.scans.empty() && session_.scans.front().mapped.pose_stamp_ns > year_2001_ns;
+    writer_.offset = writes_las_ ? whole_metre_centre(reach) : single_precision_offset(reach);
+    if (!writes_las_) summary_.offset = writer_.offset;
+  }
+
+  CloudPoint coloured(const MapPoint& point) const {
+    CloudPoint result;
+    result.point = point;
+    if (!writer_.fields.rgb) return result;
+    const double share = (point.position.z() - view_.low) / (view_.high - view_.low);
+    const Eigen::Array3f colour = height_colour(static_cast<float>(share));
+    for (int i = 0; i < 3; ++i) {
+      result.rgb[static_cast<std::size_t>(i)] =
+          static_cast<std::uint8_t>(std::lround(255.0F * colour[i]));
+    }
+    return result;
+  }
+
+  void note_intensity(const MapPoint& point) {
+    if (point.intensity > writer_.most_intensity) writer_.most_intensity = point.intensity;
+  }
+
+  void finish(CloudWriter& writer) {
+    remove_stale_offset(output_);
+    if (!summary_.offset.isZero(0.0)) {
+      summary_.offset_file = offset_path(output_);
+      write_whole_file(summary_.offset_file, offset_text(summary_.offset));
+    }
+    writer.finish();
+  }
+
+  void write_all() {
+    writer_.most_intensity = 0.0F;
+    for (const SessionScan& scan : session_.scans) {
+      writer_.most_points += scan.mapped.points_read;
+    }
+    const CloudFields& fields = writer_.fields;
+    if (writes_las_ && fields.intensity) {
+      for_each_point(
+          session_, options_, fields, progress_, [this](const MapPoint& p) { note_intensity(p); });
+    }
+    const auto writer = open_cloud_writer(output_, writer_);
+    for_each_point(session_, options_, fields, progress_, [&](const MapPoint& point) {
+      writer->add(coloured(point));
+      ++summary_.points_written;
+    });
+    summary_.points_inside = summary_.points_written;
+    if (summary_.points_written == 0) throw nothing_left(session_, options_);
+    finish(*writer);
+  }
+
+  void write_thinned() {
+    ThinnedCloud cloud(options_.voxel_size);
+    for_each_point(session_, options_, writer_.fields, progress_, [&cloud](const MapPoint& point) {
+      cloud.add(point);
+    });
+    if (cloud.size() == 0) throw nothing_left(session_, options_);
+    summary_.points_inside = cloud.points_added();
+    const std::vector<std::uint32_t> kept = choose_points(cloud);
+    summary_.outliers = cloud.size() - kept.size();
+    summary_.points_written = kept.size();
+    std::vector<Eigen::Vector3f> normals;
+    if (writer_.fields.normals) {
+      progress_("finding normals", 0, cloud.size());
+      normals = cloud.normals(pool_);
+    }
+    writer_.most_points = kept.size();
+    writer_.most_intensity = 0.0F;
+    for (const std::uint32_t i : kept) note_intensity(cloud[i]);
+    write(kept.size(), [&](std::uint64_t k) {
+      CloudPoint point = coloured(cloud[kept[k]]);
+      if (!normals.empty()) point.normal = normals[kept[k]];
+      return point;
+    });
+  }
+
+  std::vector<std::uint32_t> choose_points(const ThinnedCloud& cloud) const {
+    std::vector<std::uint32_t> all(cloud.size());
+    std::iota(all.begin(), all.end(), 0U);
+    if (!options_.remove_outliers) return all;
+    progress_("looking for outliers", 0, cloud.size());
+    const Eigen::Vector3d centre = cloud[0].position;
+    std::vector<Eigen::Vector3f> points;
+    points.reserve(cloud.size());
+    for (const std::uint32_t i : all) {
+      points.push_back((cloud[i].position - centre).cast<float>());
+    }
+    return find_inliers(points);
+  }
+
+  void write(std::uint64_t size, const std::function<CloudPoint(std::uint64_t)>& point) {
+    progress_("writing points", 0, size);
+    if (options_.tile_size > 0) {
+      summary_.tiles = write_tile_folder(
+          output_, {size, point}, options_.tile_size, writer_, options_.overwrite);
+      if (!summary_.offset.isZero(0.0)) summary_.offset_file = output_ / "offset.txt";
+      return;
+    }
+    const auto writer = open_cloud_writer(output_, writer_);
+    for (std::uint64_t i = 0; i < size; ++i) writer->add(point(i));
+    finish(*writer);
+  }
+
+  const Session& session_;
+  fs::path output_;
+  const CloudExportOptions& options_;
+  ThreadPool& pool_;
+  const ExportProgress& progress_;
+  CloudWriterOptions writer_;
+  bool writes_las_ = false;
+  MapView view_;  ///< heights of the ends of the colours
+  CloudExportSummary summary_;
+};
+
+}  // namespace
+
+CloudExportSummary export_cloud(const Session& session,
+                                const std::filesystem::path& output,
+                                const CloudExportOptions& options,
+                                ThreadPool& pool,
+                                const ExportProgress& progress) {
+  const fs::path target = folder_path(output);  // "tiles/" is "tiles"
+  require_options(target, options);
+  require_target(target, options);
+  return Exporter(session, target, options, pool, progress).run();
+}
+
+}  // namespace kissmap
