@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <vector>
+
+#include "support/laser_robot.hpp"
+
+namespace kissmap {
+
+/// Writes the drive of a laser robot as MRPT's rawlog: odometry increments and 2D range scans.
+void write_rawlog(const std::vector<LaserStep>& steps,
+                  const LaserRobotOptions& robot,
+                  const std::filesystem::path& path);
+
+/// Converts map.yaml with ros-map-yaml2mrpt and localises the drive in it with pf-localization,
+/// started uniformly over the free cells of `start`, looking anywhere. Returns what it says about
+/// itself: after each step, the weighted mean distance [m] of its particles from the truth. It
+/// draws its own random numbers, so this differs a little from run to run. All files go to
+/// `folder`. Throws Error(input) with what the programs said where one of them fails.
+std::vector<double> localise_with_mrpt(const std::filesystem::path& map_yaml,
+                                       const std::vector<LaserStep>& steps,
+                                       const LaserRobotOptions& robot,
+                                       const Eigen::AlignedBox2d& start,
+                                       const std::filesystem::path& folder);
+
+}  // namespace kissmap
