@@ -9,6 +9,7 @@
 #include "configuration.hpp"
 #include "kissmap/formats/scan_log.hpp"
 #include "kissmap/graph/pose_graph.hpp"
+#include "kissmap/grid/grid_map.hpp"
 
 namespace kissmap {
 
@@ -69,6 +70,27 @@ struct EvalCommand {
   std::filesystem::path plot;
 };
 void eval(const EvalCommand& command);
+
+struct ExportGridCommand {
+  std::filesystem::path session;
+  std::filesystem::path output;
+  std::filesystem::path log;
+  std::string purpose = "navigation";
+  std::optional<double> z_min;  ///< m
+  std::optional<double> z_max;  ///< m
+  double resolution = 0.0;      ///< m; 0: by how near things are
+  bool floor_reference = true;
+  std::string mode = "trinary";
+  ColumnRule rule;
+  int min_group = 0;         ///< cells
+  std::vector<double> crop;  ///< x_min, y_min, x_max, y_max [m]; or empty
+  bool connected = false;
+  bool align_axes = false;
+  int threads = 0;
+  bool overwrite = false;
+  bool quiet = false;
+};
+void export_grid(const ExportGridCommand& command);
 
 struct ExportCloudCommand {
   std::filesystem::path session;

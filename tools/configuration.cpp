@@ -326,4 +326,11 @@ void apply_file(const std::filesystem::path& file, Configuration& configuration)
   }
 }
 
+Configuration configuration_of_session(const std::filesystem::path& session) {
+  Configuration configuration;
+  apply_file(session / "config.toml", configuration);
+  require_valid(configuration);
+  return configuration;
+}
+
 }  // namespace kissmap

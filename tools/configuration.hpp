@@ -61,4 +61,7 @@ class ConfigurationFlags {
 /// Sets what a TOML file names. Throws Error(usage) naming file, line and key.
 void apply_file(const std::filesystem::path& file, Configuration& configuration);
 
+/// The configuration a session was made with. Throws Error naming its config.toml.
+Configuration configuration_of_session(const std::filesystem::path& session);
+
 }  // namespace kissmap

@@ -64,9 +64,7 @@ void apply_crop(const ExportCloudCommand& command, CropRegion& crop) {
 }
 
 CloudExportOptions options_of(const ExportCloudCommand& command, const Session& session) {
-  Configuration configuration;
-  apply_file(session.path / "config.toml", configuration);
-  require_valid(configuration);
+  const Configuration configuration = configuration_of_session(session.path);
   CloudExportOptions options;
   options.min_range = configuration.odometry.min_range;
   options.max_range = configuration.odometry.max_range;

@@ -8,7 +8,8 @@
 
 #include "commands.hpp"
 #include "declare_eval.hpp"
-#include "declare_export.hpp"
+#include "declare_export_cloud.hpp"
+#include "declare_export_grid.hpp"
 #include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
@@ -26,6 +27,7 @@ struct Commands {
   InfoCommand info;
   PackCommand pack;
   OptimizeCommand optimize;
+  ExportGridCommand export_grid;
   EvalCommand eval;
   ExportCloudCommand export_cloud;
   std::map<const CLI::App*, std::function<void()>> action;
@@ -92,6 +94,9 @@ void declare_others(CLI::App& app, Commands& commands) {
 
   commands.action[&declare_optimize(app, commands.optimize)] = [&c = commands.optimize] {
     optimize(c);
+  };
+  commands.action[&declare_export_grid(app, commands.export_grid)] = [&c = commands.export_grid] {
+    export_grid(c);
   };
   commands.action[&declare_export_cloud(app, commands.export_cloud)] =
       [&c = commands.export_cloud] { export_cloud(c); };

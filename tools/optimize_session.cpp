@@ -32,13 +32,6 @@ void require_output(const OptimizeCommand& command, const SessionEvidence& sessi
   require_apart(session.manifest.log.path, "the log", command.output);
 }
 
-Configuration configuration_of(const SessionEvidence& session) {
-  Configuration configuration;
-  apply_file(session.path / "config.toml", configuration);
-  require_valid(configuration);
-  return configuration;
-}
-
 /// Those asked for, or else those the session keeps.
 GraphEdits edits_for(const OptimizeCommand& command, const SessionEvidence& session) {
   if (!command.edits.empty()) return read_graph_edits(command.edits);
@@ -90,7 +83,7 @@ LoopCorrection solve(LoopEditor& editor, const std::filesystem::path& session) {
 }
 
 SessionUpdate make_update(const SessionEvidence& session, const GraphEdits& edits) {
-  const Configuration configuration = configuration_of(session);
+  const Configuration configuration = configuration_of_session(session.path);
   SessionUpdate update;
   if (!configuration.loop_closing.enabled && edits.edits.empty()) return update;
   std::vector<ScanPlace> places;

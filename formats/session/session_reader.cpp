@@ -9,6 +9,7 @@
 #include "kissmap/formats/session.hpp"
 #include "kissmap/formats/session_update.hpp"
 #include "kissmap/loop_closing/closure_validation.hpp"
+#include "kissmap/loop_closing/ground_alignment.hpp"
 
 namespace kissmap {
 namespace {
@@ -121,6 +122,14 @@ void require_local_maps(const Session& session) {
 
 SurfelCloud read_local_map_surfels(const std::filesystem::path& session, std::uint32_t id) {
   return read_surfels(local_map_file(session, id));
+}
+
+Rigid3 level_from_map(const Session& session) {
+  if (session.local_maps.empty()) return {};
+  const SurfelCloud first = read_local_map_surfels(session.path, session.local_maps.front().id);
+  const Rigid3 map_from_local_map = session.local_maps.front().map_from_local_map;
+  const std::optional<Rigid3> level = ground_from_local_map(first.means);
+  return level.value_or(Rigid3{}) * map_from_local_map.inverse();
 }
 
 }  // namespace kissmap

@@ -53,17 +53,27 @@ double enter_cylinder(const Eigen::Array3d& origin,
   return enter > 0.0 && enter <= leave ? enter : no_entry;
 }
 
+Eigen::Vector3d unsheared(const Eigen::Vector3d& vector, const Eigen::Vector2d& slope) {
+  return {vector.x(), vector.y(), vector.z() - slope.dot(vector.head<2>())};
+}
+
 }  // namespace
 
 double enter(Shape shape,
              const Eigen::Vector3d& origin,
              const Eigen::Vector3d& direction,
-             const Eigen::Vector3d& half_extents) {
-  return shape == Shape::box ? enter_box(origin, direction, half_extents)
-                             : enter_cylinder(origin, direction, half_extents);
+             const Eigen::Vector3d& half_extents,
+             const Eigen::Vector2d& slope) {
+  if (shape == Shape::cylinder) return enter_cylinder(origin, direction, half_extents);
+  // Undoing the shear keeps ranges: points of the ray move, the parameter along it does not.
+  return enter_box(unsheared(origin, slope), unsheared(direction, slope), half_extents);
 }
 
-Eigen::Vector3d surface_normal(Shape shape, const Eigen::Vector3d& p, const Eigen::Vector3d& half) {
+Eigen::Vector3d surface_normal(Shape shape,
+                               const Eigen::Vector3d& point,
+                               const Eigen::Vector3d& half,
+                               const Eigen::Vector2d& slope) {
+  const Eigen::Vector3d p = unsheared(point, slope);
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   int axis = 2;
   if (shape == Shape::box) {
@@ -73,7 +83,8 @@ Eigen::Vector3d surface_normal(Shape shape, const Eigen::Vector3d& p, const Eige
     if (radius - half.x() > std::abs(p.z()) - half.z()) return {p.x() / radius, p.y() / radius, 0};
   }
   normal[axis] = p[axis] < 0 ? -1.0 : 1.0;
-  return normal;
+  if (axis == 2) normal.head<2>() -= normal.z() * slope;
+  return normal.normalized();
 }
 
 }  // namespace kissmap::simulator

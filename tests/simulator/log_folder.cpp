@@ -28,13 +28,14 @@ std::string stamp_text(std::int64_t stamp_ns, char separator) {
   return text;
 }
 
+template <typename Value>
 void write_file(const std::filesystem::path& path,
                 const std::string& header,
-                const std::vector<float>& body) {
+                const std::vector<Value>& body) {
   std::ofstream file(path, std::ios::binary);
   file << header;
   file.write(reinterpret_cast<const char*>(body.data()),
-             static_cast<std::streamsize>(body.size() * sizeof(float)));
+             static_cast<std::streamsize>(body.size() * sizeof(Value)));
   file.close();
   if (!file) throw output_error(path, "cannot be written; is the disk full?");
 }
@@ -74,17 +75,30 @@ std::string truth_line(const Simulator& simulator, std::size_t scan_idx) {
   return line;
 }
 
+std::string class_list() {
+  std::string list = "number,name,moving\n";
+  for (int k = 0; k < object_classes; ++k) {
+    const auto object_class = static_cast<ObjectClass>(k);
+    list += std::to_string(k) + "," + name(object_class) + (is_moving(object_class) ? ",1" : ",0");
+    list += "\n";
+  }
+  return list;
+}
+
 void write_scans(const Simulator& simulator,
                  const std::filesystem::path& folder,
                  int threads,
+                 bool labels,
                  const std::function<void(std::size_t done)>& progress) {
   ThreadPool pool(threads);
   const std::size_t batch = 8 * static_cast<std::size_t>(pool.size());
   for (std::size_t begin = 0; begin < simulator.scan_count(); begin += batch) {
     const std::size_t end = std::min(begin + batch, simulator.scan_count());
     pool.for_each_chunk(end - begin, [&](std::size_t k) {
-      const Scan scan = simulator.scan(begin + k);
-      write_ply(scan, folder / (stamp_text(scan.stamp_ns, '_') + ".ply"));
+      const LabelledScan labelled = simulator.labelled_scan(begin + k);
+      const std::string name = stamp_text(labelled.scan.stamp_ns, '_');
+      write_ply(labelled.scan, folder / "scans" / (name + ".ply"));
+      if (labels) write_file(folder / "labels" / (name + ".u8"), {}, labelled.classes);
     });
     progress(end);
   }
@@ -95,7 +109,8 @@ void write_scans(const Simulator& simulator,
 void write_log_folder(const Simulator& simulator,
                       const std::filesystem::path& folder,
                       int threads,
-                      const std::function<void(std::size_t done)>& progress) {
+                      const std::function<void(std::size_t done)>& progress,
+                      bool labels) {
   if (std::filesystem::exists(folder)) {
     throw output_error(folder, "exists already; remove it or choose another folder");
   }
@@ -103,11 +118,13 @@ void write_log_folder(const Simulator& simulator,
   std::error_code failure;
   std::filesystem::remove_all(partial, failure);
   std::filesystem::create_directories(partial / "scans", failure);
+  if (labels && !failure) std::filesystem::create_directory(partial / "labels", failure);
   if (failure) throw output_error(partial, "cannot be made: " + failure.message());
-  write_scans(simulator, partial / "scans", threads, progress);
+  write_scans(simulator, partial, threads, labels, progress);
+  if (labels) write_file<char>(partial / "labels" / "classes.csv", class_list(), {});
   std::string truth;
   for (std::size_t i = 0; i < simulator.scan_count(); ++i) truth += truth_line(simulator, i);
-  write_file(partial / "truth.tum", truth, {});
+  write_file<char>(partial / "truth.tum", truth, {});
   std::filesystem::rename(partial, folder, failure);
   if (failure) throw output_error(folder, "cannot be made: " + failure.message());
 }

@@ -54,6 +54,7 @@ class OfficeBuilder {
   void add_shell() {
     const OfficeOptions& o = office_.options;
     box(ObjectClass::floor, Rigid3{}, {-1, -1, -0.3}, {o.length + 1, o.width + 1, 0});
+    office_.world.floors.push_back({{Vector2d(-1, -1), Vector2d(o.length + 1, o.width + 1)}});
     box(ObjectClass::ceiling,
         Rigid3{},
         {-1, -1, o.height},
@@ -192,7 +193,7 @@ class OfficeBuilder {
     box(ObjectClass::desk, desk, {0, 0, top - 0.03}, {width, depth, top});
     for (const double x : {0.03, width - 0.08}) {
       for (const double y : {0.03, depth - 0.08}) {
-        box(ObjectClass::desk, desk, {x, y, 0}, {x + 0.05, y + 0.05, top - 0.03});
+        box(ObjectClass::desk_leg, desk, {x, y, 0}, {x + 0.05, y + 0.05, top - 0.03});
       }
     }
     const double screen = random_.uniform(0.1, width - 0.7);
@@ -240,25 +241,48 @@ class OfficeBuilder {
     });
   }
 
-  // People keep to the outer edge of the corridors.
   void add_walkers() {
+    for (int k = 0; k < office_.options.walkers; ++k) {
+      if (k < 4 || k % 2 == 0) {
+        add_corridor_walker(k);
+      } else {
+        add_room_walker(k / 2);
+      }
+    }
+  }
+
+  // People keep to the outer edge of the corridors.
+  void add_corridor_walker(int k) {
     const Vector2d low = office_.ring.min() + Vector2d::Constant(0.4);
     const Vector2d high = office_.ring.max() - Vector2d::Constant(0.4);
     const Vector2d corners[4] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
-    for (int k = 0; k < office_.options.walkers; ++k) {
-      const Vector2d from = corners[k % 4];
-      const Vector2d along = corners[(k + 1) % 4] - from;
-      const double begin = random_.uniform(0.05, 0.3);
-      const double end = random_.uniform(0.6, 0.95);
-      const Rigid3 start = planar_frame(lifted(from + begin * along), 0.0);
-      MovingObject person;
-      person.parts.push_back(make_cylinder(ObjectClass::pedestrian, start, {0, 0, 0}, 0.2, 1.45));
-      person.parts.push_back(
-          make_cylinder(ObjectClass::pedestrian, start, {0, 0, 1.45}, 0.1, 0.27));
-      const Vector3d travel = lifted((end - begin) * along);
-      person.shuttle = {travel, travel.norm() * random_.uniform(2.5, 3.5), random_.uniform()};
-      office_.world.moving.push_back(person);
+    const Vector2d from = corners[k % 4];
+    const Vector2d along = corners[(k + 1) % 4] - from;
+    const double begin = random_.uniform(0.05, 0.3);
+    const double end = random_.uniform(0.6, 0.95);
+    add_person(from + begin * along, (end - begin) * along);
+  }
+
+  // To and fro behind the door of an outer room, where robots do not go.
+  void add_room_walker(int k) {
+    std::vector<const PlanRoom*> outer;
+    for (const PlanRoom& room : office_.rooms) {
+      if (!office_.core.contains(room.area.center())) outer.push_back(&room);
     }
+    const PlanDoor& door = outer[static_cast<std::size_t>(k) % outer.size()]->door;
+    const Vector2d aside(-door.into_room.y(), door.into_room.x());
+    const double depth = random_.uniform(1.5, 2.6);
+    add_person(door.middle + depth * door.into_room - 0.9 * aside, 1.8 * aside);
+  }
+
+  void add_person(const Vector2d& from, const Vector2d& way) {
+    const Rigid3 start = planar_frame(lifted(from), 0.0);
+    MovingObject person;
+    person.parts.push_back(make_cylinder(ObjectClass::pedestrian, start, {0, 0, 0}, 0.2, 1.45));
+    person.parts.push_back(make_cylinder(ObjectClass::pedestrian, start, {0, 0, 1.45}, 0.1, 0.27));
+    const Vector3d travel = lifted(way);
+    person.shuttle = {travel, travel.norm() * random_.uniform(2.5, 3.5), random_.uniform()};
+    office_.world.moving.push_back(person);
   }
 
   Office office_;

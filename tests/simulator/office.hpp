@@ -20,7 +20,7 @@ struct OfficeOptions {
   double door_width = 1.0;         ///< m
   double door_height = 2.1;        ///< m
   double closed_door_share = 0.2;  ///< of the doors
-  int walkers = 4;                 ///< people in the corridors
+  int walkers = 4;                 ///< people in the corridors; from the fifth on also in rooms
 };
 
 /// A straight wall, as the middle of its thickness. Doors are gaps in it below door_height.

@@ -73,6 +73,7 @@ Target make_target(const Primitive& primitive, std::int32_t shuttle) {
       primitive.world_from_object.rotation.conjugate().toRotationMatrix();
   target.centre = primitive.world_from_object.translation;
   target.half_extents = primitive.half_extents;
+  target.slope = primitive.slope;
   target.shape = primitive.shape;
   target.shuttle = shuttle;
   target.primitive = &primitive;
@@ -137,8 +138,9 @@ void RayCaster::set_large_apart() {
 }
 
 Eigen::AlignedBox3d RayCaster::bounds(const Target& target) const {
-  const Eigen::Vector3d reach =
-      target.object_from_world_rotation.cwiseAbs().transpose() * target.half_extents;
+  Eigen::Vector3d half = target.half_extents;
+  half.z() += target.slope.cwiseAbs().dot(half.head<2>());
+  const Eigen::Vector3d reach = target.object_from_world_rotation.cwiseAbs().transpose() * half;
   // The walk through the tree is in single precision: good to 0.1 mm within a kilometre. The slack
   // is ten times that, so no grazing hit is lost.
   const Eigen::Vector3d slack = Eigen::Vector3d::Constant(bounds_slack);
@@ -212,7 +214,7 @@ void RayCaster::test(const Target& target, const Ray& ray, Nearest& nearest) con
   }
   const Eigen::Vector3d origin = target.object_from_world_rotation * from_centre;
   const Eigen::Vector3d direction = target.object_from_world_rotation * ray.direction;
-  const double range = enter(target.shape, origin, direction, target.half_extents);
+  const double range = enter(target.shape, origin, direction, target.half_extents, target.slope);
   // Shared faces: the first solid of the world wins, whatever the order of the tests.
   const bool tie =
       range == nearest.range && nearest.target != nullptr && target.order < nearest.target->order;
@@ -227,8 +229,10 @@ std::optional<Hit> RayCaster::finish(const Ray& ray, const Nearest& nearest) con
     centre += world_.moving[static_cast<std::size_t>(target.shuttle)].shuttle.offset(ray.time);
   }
   const Eigen::Vector3d on_surface = ray.origin + nearest.range * ray.direction - centre;
-  const Eigen::Vector3d normal = surface_normal(
-      target.shape, target.object_from_world_rotation * on_surface, target.half_extents);
+  const Eigen::Vector3d normal = surface_normal(target.shape,
+                                                target.object_from_world_rotation * on_surface,
+                                                target.half_extents,
+                                                target.slope);
   return Hit{
       nearest.range, target.object_from_world_rotation.transpose() * normal, target.primitive};
 }

@@ -22,6 +22,7 @@ struct Target {
   Eigen::Matrix3d object_from_world_rotation;
   Eigen::Vector3d centre;
   Eigen::Vector3d half_extents;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   Shape shape = Shape::box;
   std::int32_t shuttle = -1;  ///< index of the moving object, or -1
   std::uint32_t order = 0;    ///< place in the world; decides between equal ranges

@@ -90,6 +90,7 @@ void Simulator::shoot(const Shot& shot, LabelledScan& result) const {
   scan.time_offsets.push_back(shot.time_offset);
   scan.intensities.push_back(static_cast<float>(255.0 * hit->primitive->reflectivity * facing));
   result.classes.push_back(hit->primitive->object_class);
+  result.true_ranges.push_back(hit->range);
 }
 
 }  // namespace kissmap::simulator

@@ -12,10 +12,11 @@
 
 namespace kissmap::simulator {
 
-/// A scan and what each of its points truly lies on (parallel to scan.points).
+/// A scan and what each of its points truly lies on, how far away (parallel to scan.points).
 struct LabelledScan {
   Scan scan;
   std::vector<ObjectClass> classes;
+  std::vector<double> true_ranges;  ///< m, without noise
 };
 
 /// A LiDAR moving through a world. Each beam is cast from the true pose at its own time, and moving

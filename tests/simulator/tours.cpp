@@ -141,6 +141,13 @@ Motion roll(const Way& way, double max_speed, double height, std::uint64_t seed)
   return motion;
 }
 
+Motion car_drive(const Way& way, const DrivingStyle& style, std::uint64_t seed) {
+  Random random{seed, tour_stream, 0};
+  Motion motion = with_lidar_at(1.9, style, drive(way, style));
+  motion.wobbles = suspension(random);
+  return motion;
+}
+
 // Westwards along the south side, up the western side, eastwards along the north side to its
 // passage, through the courtyard, out in the south, and the first part again.
 Way way_around_the_block(const Town& town) {
@@ -235,11 +242,19 @@ Motion town_car_tour(const Town& town, std::uint64_t seed, Revisit revisit) {
 }
 
 Motion town_car_drive(const Town& town, std::uint64_t seed, const std::vector<Crossing>& route) {
-  Random random{seed, tour_stream, 0};
-  const DrivingStyle style = car_style();
-  Motion motion = with_lidar_at(1.9, style, drive(town.lane_through(route), style));
-  motion.wobbles = suspension(random);
-  return motion;
+  return car_drive(town.lane_through(route), car_style(), seed);
+}
+
+Motion garage_car_tour(const Garage& garage, std::uint64_t seed) {
+  DrivingStyle style = car_style();
+  style.max_speed = 4.0;
+  style.corner_radius = 4.5;
+  style.corner_smoothing = 2.0;
+  return car_drive(garage.way, style, seed);
+}
+
+Motion hill_car_tour(const Hill& hill, std::uint64_t seed) {
+  return car_drive(hill.way, car_style(), seed);
 }
 
 Motion town_walk(const Town& town, std::uint64_t seed, double liveliness) {

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "simulator/garage.hpp"
+#include "simulator/hill.hpp"
 #include "simulator/motion.hpp"
 #include "simulator/office.hpp"
 #include "simulator/town.hpp"
@@ -21,6 +23,12 @@ Motion town_car_tour(const Town& town,
 
 /// The same car on a way of your choice.
 Motion town_car_drive(const Town& town, std::uint64_t seed, const std::vector<Crossing>& route);
+
+/// The same car, at most 4 m/s, on the way of the garage: round both levels, up and down.
+Motion garage_car_tour(const Garage& garage, std::uint64_t seed);
+
+/// The same car once and a half round the hill.
+Motion hill_car_tour(const Hill& hill, std::uint64_t seed);
 
 /// Someone walks around a block, through its courtyard, and on over the first part again, LiDAR in
 /// hand at 1.5 m: the bounce of steps, sway, and turns of about 100 deg/s when looking aside.

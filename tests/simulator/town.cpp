@@ -69,6 +69,34 @@ void add_ground(Town& town) {
   town.world.primitives.push_back(make_box(ObjectClass::ground, Rigid3{}, low, high));
 }
 
+// Roads and blocks as one grid of rectangles: along each axis, every second one is a block.
+void add_floors(Town& town) {
+  const TownOptions& options = town.options;
+  const Eigen::AlignedBox3d ground = [&] {
+    const Primitive& solid = town.world.primitives.front();
+    const Vector3d& middle = solid.world_from_object.translation;
+    return Eigen::AlignedBox3d(middle - solid.half_extents, middle + solid.half_extents);
+  }();
+  std::vector<double> cuts[2];
+  for (const int axis : {0, 1}) {
+    cuts[axis] = {ground.min()[axis]};
+    for (const auto& [low, high] : block_spans(axis == 0 ? town.x_of_street : town.y_of_street,
+                                               town.kerb_offset(),
+                                               options.outskirts)) {
+      cuts[axis].insert(cuts[axis].end(), {low, high});
+    }
+    cuts[axis].push_back(ground.max()[axis]);
+  }
+  for (std::size_t i = 0; i + 1 < cuts[0].size(); ++i) {
+    for (std::size_t j = 0; j + 1 < cuts[1].size(); ++j) {
+      const bool block = i % 2 == 1 && j % 2 == 1;
+      town.world.floors.push_back({{Eigen::Vector2d(cuts[0][i], cuts[1][j]),
+                                    Eigen::Vector2d(cuts[0][i + 1], cuts[1][j + 1])},
+                                   block ? kerb_height : 0.0});
+    }
+  }
+}
+
 bool used_by_a_tour(const Lane& lane) {
   const auto uses = [&lane](const std::vector<Crossing>& route) {
     for (std::size_t k = 1; k < route.size(); ++k) {
@@ -205,6 +233,10 @@ std::vector<Crossing> opposite_direction_route() {
           {0, 0}};
 }
 
+int free_lane_count(const TownOptions& options) {
+  return static_cast<int>(free_lanes(options.streets).size());
+}
+
 Town make_town(std::uint64_t seed, const TownOptions& options) {
   Random random{seed, town_stream};
   Town town;
@@ -212,6 +244,7 @@ Town make_town(std::uint64_t seed, const TownOptions& options) {
   town.x_of_street = street_middles(options, random);
   town.y_of_street = street_middles(options, random);
   add_ground(town);
+  add_floors(town);
   add_blocks(town, random);
   add_moving_cars(town, random);
   add_pedestrians(town, random);

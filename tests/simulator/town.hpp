@@ -56,6 +56,9 @@ inline constexpr double kerb_height = 0.12;  ///< m
 /// The same town for the same seed and options.
 Town make_town(std::uint64_t seed, const TownOptions& options = {});
 
+/// Lanes that no tour uses: room for so many moving cars.
+int free_lane_count(const TownOptions& options);
+
 /// The crossings of the car tours: a loop whose first part is driven again in the same direction,
 /// or one whose first part is driven again in the opposite direction.
 std::vector<Crossing> same_direction_route();

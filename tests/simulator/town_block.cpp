@@ -215,13 +215,7 @@ class BlockBuilder {
     const double y = -0.5 * block_.parking_width + random_.uniform(-0.1, 0.1);
     const Rigid3 car = side.world_from_side *
                        planar_frame({x + 0.5 * length, y, -kerb_height}, 0.02 * random_.normal());
-    const double half = 0.5 * length;
-    const double cabin_front = random_.uniform(0.1, 0.5) * length;
-    box(ObjectClass::parked_car, car, {-half, -0.88, 0.25}, {half, 0.88, 0.85});
-    box(ObjectClass::parked_car,
-        car,
-        {-half + 0.2, -0.78, 0.85},
-        {cabin_front, 0.78, random_.uniform(1.35, 1.9)});
+    simulator::add_parked_car(world_, car, length, random_);
   }
 
   // Trees, benches and sheds behind the houses, or in the park.

@@ -127,6 +127,10 @@ void require_local_maps(const Session& session);
 /// The surfels of one local map of a session, in the local_map frame.
 SurfelCloud read_local_map_surfels(const std::filesystem::path& session, std::uint32_t id);
 
+/// Levels a session's map: the rotation about x and y and the shift along z that bring the ground
+/// plane of its first local map to z = 0; heading and origin stay. Identity if it has no ground.
+Rigid3 level_from_map(const Session& session);
+
 /// Opens the log a session was made from, restricted to the scans it selected. A pack inside the
 /// session serves first; otherwise `moved_to` (--log) or the recorded path. Throws Error(input)
 /// when the log is missing or changed: names and sizes are compared at once, content hashes as

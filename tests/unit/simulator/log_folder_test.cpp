@@ -91,6 +91,38 @@ TEST_F(LogFolder, HasTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(files, 6U);
 }
 
+TEST_F(LogFolder, TellsWhatPointsLieOnIfAsked) {
+  EXPECT_FALSE(fs::exists(write("plain", 1) / "labels"));
+  const Simulator office = make_simulator({"office", "spinning16", "robot", 1, 5, 300, 1.0});
+  const fs::path folder = root_ / "labelled";
+  write_log_folder(
+      office, folder, 2, [](std::size_t) {}, true);
+  int movers = 0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    const std::string labels =
+        bytes(folder / "labels" / ("1700000000_" + std::to_string(i) + "00000000.u8"));
+    const LabelledScan scan = office.labelled_scan(i);
+    ASSERT_EQ(labels.size(), scan.scan.points.size());
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+      ASSERT_EQ(static_cast<ObjectClass>(labels[k]), scan.classes[k]);
+      movers += is_moving(scan.classes[k]) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(movers, 0);
+  std::istringstream classes(bytes(folder / "labels" / "classes.csv"));
+  std::string line;
+  std::getline(classes, line);
+  EXPECT_EQ(line, "number,name,moving");
+  for (int k = 0; k < object_classes; ++k) {
+    std::getline(classes, line);
+    const auto object_class = static_cast<ObjectClass>(k);
+    EXPECT_EQ(
+        line,
+        std::to_string(k) + "," + name(object_class) + (is_moving(object_class) ? ",1" : ",0"));
+  }
+  EXPECT_FALSE(std::getline(classes, line));
+}
+
 TEST_F(LogFolder, NeitherOverwritesNorLeavesHalves) {
   write("log", 1);
   EXPECT_THROW(write("log", 1), Error);

@@ -21,7 +21,7 @@ Vector3d random_direction(Random& random) {
   return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
 
-// Tilted boxes and cylinders, some moving, close together so that rays meet several.
+// Tilted and sheared boxes and cylinders, some moving, close together so that rays meet several.
 World jumble(Random& random) {
   World world;
   for (int i = 0; i < 300; ++i) {
@@ -33,9 +33,12 @@ World jumble(Random& random) {
     const Vector3d half{
         random.uniform(0.01, 2.0), random.uniform(0.01, 2.0), random.uniform(0.0, 2.0)};
     const bool cylinder = random.chance(0.4);
-    const Primitive solid =
+    Primitive solid =
         cylinder ? make_cylinder(ObjectClass::pole, frame, {0, 0, 0}, half.x(), 2 * half.z())
                  : make_box(ObjectClass::building, frame, -half, half);
+    if (!cylinder && i % 3 == 0) {
+      solid.slope = {random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5)};
+    }
     if (i % 5 == 0) {
       world.moving.push_back(
           {{solid}, {Vector3d{where(), where(), where()}, 7.0, random.uniform()}});
@@ -140,6 +143,28 @@ TEST(RayCaster, SeesKnownSolidsAtKnownRanges) {
   EXPECT_FALSE(caster.cast(Vector3d::Zero(), Vector3d::UnitX(), 0.0, 4.99)) << "beyond the range";
   EXPECT_FALSE(caster.cast(Vector3d::Zero(), Vector3d::UnitZ(), 0.0, 10.0)) << "nothing above";
   EXPECT_FALSE(caster.cast({5.5, 0, 0}, Vector3d::UnitX(), 0.0, 10.0)) << "from inside";
+}
+
+// A ramp of 10 degrees: ranges and normals computed by hand.
+TEST(RayCaster, SeesASlopeAsAPlane) {
+  const double slope = std::tan(10.0 * std::numbers::pi / 180.0);
+  World world;
+  Primitive ramp = make_box(ObjectClass::floor, Rigid3{}, {-10, -2, -2}, {10, 2, 0});
+  ramp.slope = {slope, 0.0};
+  world.primitives.push_back(ramp);
+  const RayCaster caster(std::move(world));
+  for (const double x : {-9.0, 0.0, 4.0, 9.5}) {
+    const auto hit = caster.cast({x, 1.0, 5.0}, -Vector3d::UnitZ(), 0.0, 20.0);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->range, 5.0 - x * slope, 1e-12);
+    EXPECT_NEAR(std::acos(hit->normal.z()), 10.0 * std::numbers::pi / 180.0, 1e-12);
+    EXPECT_LT(hit->normal.x(), 0.0);
+    EXPECT_NEAR(caster.distance({x, 1.0, x * slope - 0.3}, 0.0), -0.3 * hit->normal.z(), 1e-12);
+  }
+  const auto side = caster.cast({2.0, 9.0, 0.0}, -Vector3d::UnitY(), 0.0, 20.0);
+  ASSERT_TRUE(side);
+  EXPECT_NEAR(side->range, 7.0, 1e-12);
+  EXPECT_NEAR(side->normal.y(), 1.0, 1e-12) << "sides stay upright";
 }
 
 TEST(RayCaster, AnEmptyWorldHasNoHits) {

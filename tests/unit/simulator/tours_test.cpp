@@ -28,6 +28,12 @@ struct Tour {
 World town_world(std::uint64_t seed) {
   return make_town(seed).world;
 }
+World garage_world(std::uint64_t seed) {
+  return make_garage(seed).world;
+}
+World hill_world(std::uint64_t seed) {
+  return make_hill(seed).world;
+}
 World office_world(std::uint64_t seed) {
   return make_office(seed).world;
 }
@@ -42,6 +48,18 @@ const Tour tours[] = {
     {"car_opposite",
      town_world,
      [](std::uint64_t s) { return town_car_tour(make_town(s), s, Revisit::opposite_direction); },
+     10.5,
+     0.85,
+     1.2},
+    {"garage_car",
+     garage_world,
+     [](std::uint64_t s) { return garage_car_tour(make_garage(s), s); },
+     4.8,  // 4 m/s, and the LiDAR swings forward where a ramp begins
+     0.85,
+     0.8},
+    {"hill_car",
+     hill_world,
+     [](std::uint64_t s) { return hill_car_tour(make_hill(s), s); },
      10.5,
      0.85,
      1.2},

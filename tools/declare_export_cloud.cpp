@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "declare_export.hpp"
+#include "declare_export_cloud.hpp"
 
 #include <CLI/CLI.hpp>
 

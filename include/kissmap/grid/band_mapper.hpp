@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+
+#include "kissmap/geometry/rigid3.hpp"
+#include "kissmap/grid/floor_map.hpp"
+#include "kissmap/grid/grid_map.hpp"
+#include "kissmap/mapping/placed_scan.hpp"
+#include "kissmap/occupancy/log_odds.hpp"
+#include "kissmap/parallel/thread_pool.hpp"
+
+namespace kissmap {
+
+/// The heights above the floor that a 2D map looks at, and its cells.
+struct GridBand {
+  double z_min = 0.1;        ///< m above the floor
+  double z_max = 1.8;        ///< m above the floor
+  double resolution = 0.05;  ///< m
+  double max_range = 100.0;  ///< m; rays are cut there
+};
+/// Throws Error(usage) naming the field, its value and its range.
+void require_valid(const GridBand& band);
+
+/// 3D occupancy of a band above the floor, and the 2D map it makes.
+///
+/// Rays are cast through voxels whose z is the height above the floor: layers of them begin exactly
+/// at z_min and end exactly at z_max, and they follow ramps and hills. A ray is bent where the
+/// floor is, by straight pieces that are off by a centimetre at most. Rays are cast before anything
+/// is cut off in z. Same result for any number of threads. Not thread safe.
+class BandMapper {
+ public:
+  BandMapper(const FloorMap& floor, const GridBand& band, const OccupancyOptions& options);
+  ~BandMapper();
+
+  /// Casts the rays of a scan. `level_from_map` as for the floor.
+  void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool);
+
+  /// The map of all columns seen, empty if there are none. Cells are aligned to multiples of the
+  /// resolution.
+  GridMap grid(const ColumnRule& rule) const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kissmap

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace kissmap {
+
+enum class CellState : std::uint8_t { unknown, free, occupied };
+
+/// A cell of a 2D map: its state, and the probability that something stands in it (0.5 where
+/// nothing is known).
+struct GridCell {
+  CellState state = CellState::unknown;
+  float probability = 0.5F;
+  friend bool operator==(const GridCell&, const GridCell&) = default;
+};
+
+/// A 2D occupancy map of a z band. Cell (x, y) covers [corner + x r, corner + (x+1) r) and so on;
+/// rows run from the lowest y to the highest.
+struct GridMap {
+  double resolution = 0.05;                          ///< m
+  Eigen::Vector2d corner = Eigen::Vector2d::Zero();  ///< m, outer corner of cell (0, 0)
+  int width = 0;
+  int height = 0;
+  std::vector<GridCell> cells;
+
+  bool holds(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+  GridCell& at(int x, int y) { return cells[index(x, y)]; }
+  const GridCell& at(int x, int y) const { return cells[index(x, y)]; }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  }
+  /// The cell of a place, inside the map or not.
+  Eigen::Vector2i cell_of(const Eigen::Vector2d& place) const {
+    return ((place - corner) / resolution).array().floor().cast<int>();
+  }
+};
+
+/// What a column of the band's voxels makes of its cell.
+struct ColumnRule {
+  double threshold = 0.5;  ///< a voxel is occupied above this probability, free below
+  double min_free = 0.5;   ///< share of the seen voxels that must be free for a free cell
+  double min_seen = 0.0;   ///< share of the band that must be seen for a free cell
+};
+/// Throws Error(usage) naming the field, its value and its range.
+void require_valid(const ColumnRule& rule);
+
+/// Occupied if any voxel is; free if enough of the band was seen, at least one voxel, and enough of
+/// that is free; unknown otherwise. `probabilities` of the band's voxels, NaN where not seen.
+GridCell judge_column(std::span<const float> probabilities, const ColumnRule& rule);
+
+/// Takes groups of fewer than `least` occupied cells (8 neighbours) for what most of the cells
+/// around them are. Returns how many cells were changed.
+std::size_t remove_small_groups(int least, GridMap& map);
+
+/// Free cells that cannot be reached from `path` [m] over free cells (4 neighbours) become unknown.
+/// Returns how many cells were changed.
+std::size_t keep_connected_free(std::span<const Eigen::Vector2d> path, GridMap& map);
+
+/// The part of a map inside a rectangle [m], widened to whole cells; unknown where the map ends.
+GridMap cropped(const GridMap& map, const Eigen::AlignedBox2d& area);
+
+/// The smallest part that holds all known cells, with `margin` unknown ones around.
+GridMap trimmed(const GridMap& map, int margin);
+
+}  // namespace kissmap

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "declare_export_grid.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace kissmap {
+namespace {
+
+void declare_band(CLI::App& command, ExportGridCommand& c) {
+  command
+      .add_option("--for",
+                  c.purpose,
+                  "what the map is for: navigation (0.1 to 1.8 m: whatever a robot could hit) or "
+                  "localization (0.1 to 0.2 m: thin clean walls) (navigation)")
+      ->type_name("navigation|localization")
+      ->check(CLI::IsMember({"navigation", "localization"}));
+  command.add_option("--z-min", c.z_min, "lower end of the band [m] (by --for)")->type_name("Z");
+  command.add_option("--z-max", c.z_max, "upper end of the band [m] (by --for)")->type_name("Z");
+  command
+      .add_option_function<std::string>(
+          "--z-reference",
+          [&c](const std::string& name) { c.floor_reference = name == "floor"; },
+          "what heights are measured from: floor (follows ramps and hills, one map for each "
+          "storey) or map (the level of the first local map's ground) (floor)")
+      ->type_name("floor|map")
+      ->check(CLI::IsMember({"floor", "map"}));
+  command
+      .add_option("--resolution",
+                  c.resolution,
+                  "side of a cell [m] (0.05 indoors, 0.1 or 0.2 where things are farther)")
+      ->type_name("R");
+}
+
+void declare_rule(CLI::App& command, ExportGridCommand& c) {
+  command
+      .add_option(
+          "--threshold",
+          c.rule.threshold,
+          "a voxel is occupied above this probability (0.5); a cell is if any voxel over it "
+          "in the band is")
+      ->type_name("P");
+  command
+      .add_option("--min-free",
+                  c.rule.min_free,
+                  "share of the seen voxels that must be free for a free cell (0.5)")
+      ->type_name("S");
+  command
+      .add_option("--min-seen",
+                  c.rule.min_seen,
+                  "share of the band that must be seen for a free cell (0: one voxel)")
+      ->type_name("S");
+}
+
+}  // namespace
+
+CLI::App& declare_export_grid(CLI::App& app, ExportGridCommand& c) {
+  CLI::App& command = *app.add_subcommand(
+      "export-grid", "Write a 2D occupancy map (PGM and YAML) for navigation and localisation");
+  command.add_option("SESSION", c.session, "session folder")->required();
+  command
+      .add_option("-o,--output",
+                  c.output,
+                  "name of the map: NAME.pgm, NAME.yaml and NAME_look.png are written")
+      ->required()
+      ->type_name("NAME");
+  declare_band(command, c);
+  declare_rule(command, c);
+  command
+      .add_option(
+          "--mode",
+          c.mode,
+          "trinary: free, occupied, unknown (PGM); scale: graded (PNG with alpha) (trinary)")
+      ->type_name("trinary|scale")
+      ->check(CLI::IsMember({"trinary", "scale"}));
+  command
+      .add_option("--min-group", c.min_group, "remove groups of fewer occupied cells than this (0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1'000'000));
+  command.add_flag("--connected", c.connected, "free only what is connected to the path");
+  command.add_flag(
+      "--align-axes", c.align_axes, "turn the map so that most walls run along x and y");
+  command.add_option("--crop", c.crop, "only this part: x and y, lower and upper corner [m]")
+      ->type_name("X_MIN,Y_MIN,X_MAX,Y_MAX")
+      ->delimiter(',')
+      ->expected(4);
+  command.add_option("--log", c.log, "where the log is now, if it moved")->type_name("PATH");
+  command
+      .add_option("--threads",
+                  c.threads,
+                  "threads for computing (0: one a processor); the result is the same for any")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024));
+  command.add_flag("--overwrite", c.overwrite, "replace files of that name");
+  command.add_flag("--quiet", c.quiet, "print errors only");
+  return command;
+}
+
+}  // namespace kissmap
