@@ -13,8 +13,9 @@ constexpr std::int64_t second_ns = 1'000'000'000;
 
 // Whole seconds apart: a double holds them beside fractions, but not 19 digits of nanoseconds.
 double seconds_of(std::int64_t stamp_ns, float later) {
+  const std::int64_t whole = stamp_ns / second_ns;
   const auto rest = static_cast<double>(stamp_ns % second_ns);
-  return static_cast<double>(stamp_ns / second_ns) + (1e-9 * rest + static_cast<double>(later));
+  return static_cast<double>(whole) + (1e-9 * rest + static_cast<double>(later));
 }
 
 void for_each_point_of(const PlacedScan& scan,
