@@ -74,7 +74,8 @@ class Exporter {
     fields = options_.fields;
     if (options_.intensity_if_there) fields.intensity |= has_intensities(session_, options_);
     if (fields.time && session_.manifest.log.stamp_source == "index") {
-      throw usage_error("--fields time: the log of this session has no stamps");
+      throw usage_error("--fields time: the log of " + session_.path.string() +
+                        " has no stamps; leave time out");
     }
     if (fields.rgb) {
       std::vector<Eigen::Vector3d> trajectory;
