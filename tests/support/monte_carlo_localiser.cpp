@@ -4,91 +4,31 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <tuple>
 
 #include "kissmap/error.hpp"
+#include "support/distance_field.hpp"
 
 namespace kissmap {
 namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr std::uint64_t particle_stream = 0x50415254;
-constexpr double far_away = 1e12;  // cells squared
-
-// Lower envelope of parabolas: squared distances along one line (Felzenszwalb and Huttenlocher,
-// Theory of Computing 2012).
-void transform_line(std::vector<double>& line) {
-  const std::size_t n = line.size();
-  std::vector<std::size_t> vertex(n, 0);
-  std::vector<double> border(n + 1, 0.0);
-  std::size_t last = 0;
-  border[0] = -std::numeric_limits<double>::infinity();
-  border[1] = std::numeric_limits<double>::infinity();
-  const auto meet = [&line](std::size_t a, std::size_t b) {
-    const auto x = static_cast<double>(a);
-    const auto y = static_cast<double>(b);
-    return ((line[b] + y * y) - (line[a] + x * x)) / (2.0 * (y - x));
-  };
-  for (std::size_t q = 1; q < n; ++q) {
-    while (last > 0 && meet(vertex[last], q) <= border[last]) --last;
-    const double from = meet(vertex[last], q);
-    if (from <= border[last]) {
-      vertex[last] = q;
-    } else {
-      vertex[++last] = q;
-      border[last] = from;
-    }
-    border[last + 1] = std::numeric_limits<double>::infinity();
-  }
-  std::vector<double> result(n);
-  std::size_t k = 0;
-  for (std::size_t q = 0; q < n; ++q) {
-    while (border[k + 1] < static_cast<double>(q)) ++k;
-    const double away = static_cast<double>(q) - static_cast<double>(vertex[k]);
-    result[q] = away * away + line[vertex[k]];
-  }
-  line = std::move(result);
-}
-
-// Squared distance in cells from each cell to the nearest occupied one.
-std::vector<double> squared_distances(const OccupancyPlan& plan) {
-  std::vector<double> field(plan.cells.size());
-  std::ranges::transform(plan.cells, field.begin(), [](PlanCell cell) {
-    return cell == PlanCell::occupied ? 0.0 : far_away;
-  });
-  std::vector<double> line(static_cast<std::size_t>(plan.height));
-  for (int column = 0; column < plan.width; ++column) {
-    for (int row = 0; row < plan.height; ++row) {
-      line[static_cast<std::size_t>(row)] = field[plan.index(column, row)];
-    }
-    transform_line(line);
-    for (int row = 0; row < plan.height; ++row) {
-      field[plan.index(column, row)] = line[static_cast<std::size_t>(row)];
-    }
-  }
-  line.resize(static_cast<std::size_t>(plan.width));
-  for (int row = 0; row < plan.height; ++row) {
-    const auto begin = field.begin() + static_cast<std::ptrdiff_t>(plan.index(0, row));
-    line.assign(begin, begin + plan.width);
-    transform_line(line);
-    std::ranges::copy(line, begin);
-  }
-  return field;
-}
 
 }  // namespace
 
 MonteCarloLocaliser::MonteCarloLocaliser(const OccupancyPlan& plan,
                                          const LocaliserOptions& options,
                                          std::uint64_t seed)
-    : plan_(plan), options_(options), random_{seed, particle_stream} {
+    : plan_(plan),
+      options_(options),
+      random_{seed, particle_stream},
+      distance_(distances_to_occupied(plan)) {
   if (std::ranges::count(plan_.cells, PlanCell::free) == 0 ||
       std::ranges::count(plan_.cells, PlanCell::occupied) == 0) {
     throw usage_error("localiser: the map has no free or no occupied cells");
-  }
-  for (const double squared : squared_distances(plan_)) {
-    distance_.push_back(plan_.resolution * std::sqrt(squared));
   }
   scatter();
 }
@@ -156,8 +96,9 @@ void MonteCarloLocaliser::move(const Pose2& before_from_now) {
   }
 }
 
-void MonteCarloLocaliser::weigh(const std::vector<float>& ranges) {
-  // Ends of the beams in cells, as the robot sees them.
+// Ends of the beams in cells, as the robot sees them.
+std::vector<Eigen::Vector2f> MonteCarloLocaliser::beam_ends(
+    const std::vector<float>& ranges) const {
   std::vector<Eigen::Vector2f> ends;
   const std::size_t n = ranges.size();
   const std::size_t stride =
@@ -170,29 +111,38 @@ void MonteCarloLocaliser::weigh(const std::vector<float>& ranges) {
     ends.emplace_back(static_cast<float>(cells * std::cos(angle)),
                       static_cast<float>(cells * std::sin(angle)));
   }
+  return ends;
+}
+
+double MonteCarloLocaliser::log_likelihood(const Pose2& pose,
+                                           const std::vector<Eigen::Vector2f>& ends) const {
+  const auto x = static_cast<float>((pose.x - plan_.origin.x()) / plan_.resolution);
+  const auto y = static_cast<float>((pose.y - plan_.origin.y()) / plan_.resolution);
+  const auto c = static_cast<float>(std::cos(pose.yaw));
+  const auto s = static_cast<float>(std::sin(pose.yaw));
+  const auto width = static_cast<float>(plan_.width);
+  const auto height = static_cast<float>(plan_.height);
+  float sum = 0.0F;
+  for (const Eigen::Vector2f& end : ends) {
+    const float column = std::floor(x + c * end.x() - s * end.y());
+    const float row = std::floor(y + s * end.x() + c * end.y());
+    const bool inside = column >= 0.0F && row >= 0.0F && column < width && row < height;
+    sum += inside ? log_likelihood_[plan_.index(static_cast<int>(column), static_cast<int>(row))]
+                  : log_outside_;
+  }
+  const int column = static_cast<int>(std::floor(x));
+  const int row = static_cast<int>(std::floor(y));
+  const bool free =
+      plan_.contains(column, row) && plan_.cells[plan_.index(column, row)] == PlanCell::free;
+  constexpr double not_free = -3.0;  // robots stand in free space, but maps have flaws
+  return options_.trust * static_cast<double>(sum) + (free ? 0.0 : not_free);
+}
+
+void MonteCarloLocaliser::weigh(const std::vector<float>& ranges) {
+  const std::vector<Eigen::Vector2f> ends = beam_ends(ranges);
   double best = -std::numeric_limits<double>::infinity();
   for (Particle& particle : particles_) {
-    const auto x = static_cast<float>((particle.pose.x - plan_.origin.x()) / plan_.resolution);
-    const auto y = static_cast<float>((particle.pose.y - plan_.origin.y()) / plan_.resolution);
-    const auto c = static_cast<float>(std::cos(particle.pose.yaw));
-    const auto s = static_cast<float>(std::sin(particle.pose.yaw));
-    float sum = 0.0F;
-    for (const Eigen::Vector2f& end : ends) {
-      const float column = std::floor(x + c * end.x() - s * end.y());
-      const float row = std::floor(y + s * end.x() + c * end.y());
-      const bool inside = column >= 0.0F && row >= 0.0F &&
-                          column < static_cast<float>(plan_.width) &&
-                          row < static_cast<float>(plan_.height);
-      sum += inside ? log_likelihood_[plan_.index(static_cast<int>(column), static_cast<int>(row))]
-                    : log_outside_;
-    }
-    double weight = options_.trust * static_cast<double>(sum);
-    const int column = static_cast<int>(std::floor(x));
-    const int row = static_cast<int>(std::floor(y));
-    const bool possible =
-        plan_.contains(column, row) && plan_.cells[plan_.index(column, row)] == PlanCell::free;
-    if (!possible) weight -= 3.0;  // robots stand in free space
-    particle.weight = std::log(particle.weight) + weight;
+    particle.weight = std::log(particle.weight) + log_likelihood(particle.pose, ends);
     best = std::max(best, particle.weight);
   }
   double total = 0.0;
@@ -250,40 +200,29 @@ void MonteCarloLocaliser::resample() {
   if (count != particles_.size()) particles_ = draw(count);
 }
 
-Pose2 MonteCarloLocaliser::map_from_robot() const {
-  // The likeliest bin of a metre and 30 degrees; the mean of what lies around its heaviest.
-  std::vector<std::tuple<int, int, int, std::size_t>> bins;
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    const Pose2& pose = particles_[i].pose;
-    bins.emplace_back(static_cast<int>(std::floor(pose.x)),
-                      static_cast<int>(std::floor(pose.y)),
-                      static_cast<int>(std::floor(std::remainder(pose.yaw, 2.0 * pi) * 6.0 / pi)),
-                      i);
-  }
-  std::ranges::sort(bins);
-  double best = -1.0;
-  std::size_t centre = 0;
-  for (std::size_t begin = 0; begin < bins.size();) {
-    std::size_t end = begin;
+// The heaviest particle of the likeliest bin of a metre and 30 degrees.
+std::size_t MonteCarloLocaliser::likeliest() const {
+  struct Bin {
     double weight = 0.0;
-    const auto same = [&](std::size_t i) {
-      return std::get<0>(bins[i]) == std::get<0>(bins[begin]) &&
-             std::get<1>(bins[i]) == std::get<1>(bins[begin]) &&
-             std::get<2>(bins[i]) == std::get<2>(bins[begin]);
-    };
-    std::size_t heaviest = std::get<3>(bins[begin]);
-    for (; end < bins.size() && same(end); ++end) {
-      const std::size_t i = std::get<3>(bins[end]);
-      weight += particles_[i].weight;
-      if (particles_[i].weight > particles_[heaviest].weight) heaviest = i;
-    }
-    if (weight > best) {
-      best = weight;
-      centre = heaviest;
-    }
-    begin = end;
+    std::size_t heaviest = 0;
+  };
+  std::map<std::tuple<int, int, int>, Bin> bins;
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    const auto [pose, weight] = particles_[i];
+    const double turn = std::remainder(pose.yaw, 2.0 * pi);
+    const auto place = std::tuple(static_cast<int>(std::floor(pose.x)),
+                                  static_cast<int>(std::floor(pose.y)),
+                                  static_cast<int>(std::floor(turn * 6.0 / pi)));
+    Bin& bin = bins.try_emplace(place, Bin{0.0, i}).first->second;
+    bin.weight += weight;
+    if (weight > particles_[bin.heaviest].weight) bin.heaviest = i;
   }
-  const Pose2 middle = particles_[centre].pose;
+  return std::ranges::max_element(bins, {}, [](const auto& bin) { return bin.second.weight; })
+      ->second.heaviest;
+}
+
+Pose2 MonteCarloLocaliser::map_from_robot() const {
+  const Pose2 middle = particles_[likeliest()].pose;
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   for (const Particle& particle : particles_) {
     const Pose2& pose = particle.pose;

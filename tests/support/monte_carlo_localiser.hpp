@@ -50,9 +50,12 @@ class MonteCarloLocaliser {
   double deviation() const;
   void make_field();
   void move(const Pose2& before_from_now);
+  std::vector<Eigen::Vector2f> beam_ends(const std::vector<float>& ranges) const;
+  double log_likelihood(const Pose2& pose, const std::vector<Eigen::Vector2f>& ends) const;
   void weigh(const std::vector<float>& ranges);
   void resample();
   std::size_t needed() const;
+  std::size_t likeliest() const;
 
   const OccupancyPlan plan_;
   LocaliserOptions options_;

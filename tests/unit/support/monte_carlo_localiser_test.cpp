@@ -9,6 +9,7 @@
 
 #include "kissmap/error.hpp"
 #include "simulator/tours.hpp"
+#include "support/distance_field.hpp"
 #include "support/laser_robot.hpp"
 
 namespace kissmap {
@@ -105,6 +106,36 @@ TEST(MonteCarloLocaliser, GivesTheSameAnswerForTheSameSeed) {
   EXPECT_EQ(first.y, again.y);
   EXPECT_EQ(first.yaw, again.yaw);
   EXPECT_NE(first.x, answer(2).x);
+}
+
+TEST(DistanceField, IsThatOfBruteForce) {
+  simulator::Random random{5};
+  for (int trial = 0; trial < 20; ++trial) {
+    OccupancyPlan plan;
+    plan.width = 1 + static_cast<int>(random.uniform(0.0, 30.0));
+    plan.height = 1 + static_cast<int>(random.uniform(0.0, 20.0));
+    plan.resolution = 0.1;
+    const double share = trial % 2 == 0 ? 0.02 : 0.3;
+    for (int i = 0; i < plan.width * plan.height; ++i) {
+      plan.cells.push_back(random.chance(share) ? PlanCell::occupied
+                           : random.chance(0.5) ? PlanCell::free
+                                                : PlanCell::unknown);
+    }
+    plan.cells[plan.cells.size() / 2] = PlanCell::occupied;
+    const std::vector<double> field = distances_to_occupied(plan);
+    for (int row = 0; row < plan.height; ++row) {
+      for (int column = 0; column < plan.width; ++column) {
+        double nearest = 1e9;
+        for (int r = 0; r < plan.height; ++r) {
+          for (int c = 0; c < plan.width; ++c) {
+            if (plan.cells[plan.index(c, r)] != PlanCell::occupied) continue;
+            nearest = std::min(nearest, 0.1 * std::hypot(c - column, r - row));
+          }
+        }
+        ASSERT_NEAR(field[plan.index(column, row)], nearest, 1e-9);
+      }
+    }
+  }
 }
 
 TEST(MonteCarloLocaliser, RefusesMapsWithoutRoomOrWalls) {
