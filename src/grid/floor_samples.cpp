@@ -9,8 +9,7 @@ namespace kissmap {
 namespace {
 
 constexpr double slice_height = 0.1;          // m
-constexpr double steepest = 0.35;             // slope of ground, up from the sensor
-constexpr double most_above = 0.5;            // m, of ground above the sensor beside it
+constexpr double least_below = 0.05;          // m, of floor below the sensor that sees it
 constexpr float near_range = 8.0F;            // m; beyond, points count less
 constexpr float least_weight = 1.5F;          // of a slice: less is noise
 constexpr std::size_t enough_points = 16384;  // of a scan
@@ -49,14 +48,13 @@ void FloorSampler::add(const PlacedScan& scan, const Rigid3& level_from_map) {
     const float squared = (scan.points[i] - scan.origins[i]).squaredNorm();
     if (!(squared < reach_squared)) continue;
     const Eigen::Vector3d point = level_from_lidar * scan.points[i].cast<double>();
-    const float range = std::sqrt(squared);
-    if (point.z() - level_from_lidar.translation.z() >
-        most_above + steepest * static_cast<double>(range))
-      continue;
+    const Eigen::Vector3d origin = level_from_lidar * scan.origins[i].cast<double>();
+    if (!(origin.z() - point.z() > least_below)) continue;
     const Voxel place{static_cast<std::int32_t>(std::floor(point.x() / cell_size_)),
                       static_cast<std::int32_t>(std::floor(point.y() / cell_size_)),
                       static_cast<std::int32_t>(std::floor(point.z() / slice_height))};
-    const float weight = range < near_range ? 1.0F : near_range * near_range / squared;
+    const float weight =
+        squared < near_range * near_range ? 1.0F : near_range * near_range / squared;
     Slice& slice = slices_[voxel_key(place)];
     slice.weight += weight;
     slice.height_sum += weight * static_cast<float>(point.z() - slice_height * place.z);

@@ -2,6 +2,7 @@
 #include "end_to_end/grid_quality.hpp"
 
 #include <cmath>
+#include <optional>
 
 namespace kissmap {
 namespace {
@@ -58,7 +59,9 @@ void GridJudge::observe(std::size_t scan_idx, bool crossings) {
     const Rigid3 map_from_lidar = simulator_.map_from_lidar(
         scan.stamp_ns + std::llround(1e9 * static_cast<double>(scan.time_offsets[i])));
     const Eigen::Vector3d point = map_from_lidar * scan.points[i].cast<double>();
-    if (point.z() < band_.z_min || point.z() > band_.z_max) continue;
+    const std::optional<double> floor =
+        floor_height(simulator_.caster().world(), point.x(), point.y(), band_.level);
+    if (!floor || point.z() - *floor < band_.z_min || point.z() - *floor > band_.z_max) continue;
     const Eigen::Vector2i cell = map_.cell_of(point.head<2>());
     if (!map_.holds(cell.x(), cell.y())) continue;
     returns_[map_.index(cell.x(), cell.y())] |= 1U << static_cast<unsigned>(labelled.classes[i]);

@@ -21,6 +21,14 @@ LoopTour& map_tour(const Scenario& scenario, LoopTour& tour) {
   return tour;
 }
 
+/// How far from the truth the query lies as seen from the reference [m], where the two meet.
+double error_of(const LoopTour& tour, const LoopCorrection& correction, const Closure& closure) {
+  const Rigid3 truth = tour.true_reference_from_query(closure.reference_id, closure.query_id);
+  const auto& keyposes = correction.map_from_local_map;
+  const Rigid3 found = keyposes[closure.reference_id].inverse() * keyposes[closure.query_id];
+  return (truth * closure.center_in_query - found * closure.center_in_query).norm();
+}
+
 /// As if no loop had been found, but for the best one, which is then closed by hand.
 void expect_a_closure_by_hand_to_help(const LoopTour& tour) {
   LoopEvidence open = tour.evidence();
@@ -32,7 +40,8 @@ void expect_a_closure_by_hand_to_help(const LoopTour& tour) {
         return tour.local_maps()[id].surfels;
       });
   editor.join(best.reference_id, best.query_id);
-  EXPECT_LT(tour.ate(editor.correction()), tour.ate(correct_loops(tour.places(), open)));
+  EXPECT_LT(error_of(tour, editor.correction(), best),
+            0.5 * error_of(tour, correct_loops(tour.places(), open), best));
 }
 
 class LoopTours : public testing::TestWithParam<Scenario> {};
@@ -101,7 +110,8 @@ Scenario town(const char* motion) {
   Scenario scenario;
   scenario.sensor = "spinning16";
   scenario.motion = motion;
-  scenario.columns = 600;
+  // One seed in every build has to be quick; what is asked of ten is asked of the whole sensor.
+  scenario.columns = seeds() > 1 ? 0 : 600;
   return scenario;
 }
 

@@ -62,10 +62,11 @@ class GarageBuilder {
     box(ObjectClass::ceiling, {-t, -t, top - o_.slab}, {o_.length + t, o_.width + t, top});
   }
 
-  // The slab leaves the ramps' place open; below them, the ground is theirs, too.
+  // The slab leaves the ramps' place open; below them, the ground is theirs, too. The outer walls
+  // stand on it.
   void add_level(int level) {
-    const double x[4] = {0.0, ramps_.min().x(), ramps_.max().x(), o_.length};
-    const double y[4] = {0.0, ramps_.min().y(), ramps_.max().y(), o_.width};
+    const double x[4] = {-outer_wall, ramps_.min().x(), ramps_.max().x(), o_.length + outer_wall};
+    const double y[4] = {-outer_wall, ramps_.min().y(), ramps_.max().y(), o_.width + outer_wall};
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
         if (i == 1 && j == 1) continue;

@@ -21,8 +21,9 @@ struct FloorSample {
 };
 
 /// Gathers from scans what might be floor, in memory that grows with the area, not with the log.
-/// Columns of cells hold the mean heights of their points in slices of a tenth of a metre; points
-/// high above the sensor, by more than any slope explains, are left out. Not thread safe.
+/// Columns of cells hold the mean heights of their points in slices of a tenth of a metre. Only
+/// what is seen from above counts: the ceiling of a storey is no floor of the next. Not thread
+/// safe.
 class FloorSampler {
  public:
   /// `cell_size` > 0 and `reach` > 0 [m]: farther points tell little of heights.
