@@ -229,6 +229,20 @@ std::vector<Eigen::Vector2d> plan_of(const Survey& survey, std::uint32_t level) 
   return plan;
 }
 
+/// Of the YAML: what heights it looks at, and where it lies beside the session's trajectory.
+std::vector<std::string> comments(const ExportGridCommand& command,
+                                  const Survey& survey,
+                                  const GridBand& band) {
+  const Eigen::Vector3d& t = survey.level_from_map.translation;
+  const Eigen::Quaterniond& q = survey.level_from_map.rotation;
+  const char* reference =
+      command.floor_reference ? "the floor" : "the level of the first local map's ground";
+  return {
+      text("%g m to %g m above %s", band.z_min, band.z_max, reference),
+      "levelled; from the session's map frame by x y z qx qy qz qw",
+      text("%.9g %.9g %.9g %.9g %.9g %.9g %.9g", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w())};
+}
+
 Written write_level(const ExportGridCommand& command,
                     const std::filesystem::path& stem,
                     const Survey& survey,
@@ -240,14 +254,7 @@ Written write_level(const ExportGridCommand& command,
   const std::vector<Eigen::Vector2d> plan = plan_of(survey, level);
   written.scans = plan.size();
   const GridMode mode = command.mode == "scale" ? GridMode::scale : GridMode::trinary;
-  write_grid(
-      written.map,
-      mode,
-      stem,
-      {text("%g m to %g m above %s",
-            band.z_min,
-            band.z_max,
-            command.floor_reference ? "the floor" : "the level of the first local map's ground")});
+  write_grid(written.map, mode, stem, comments(command, survey, band));
   write_png(draw_grid(written.map, plan), with_suffix(stem, "_look.png"));
   written.yaml = grid_file_paths(stem, mode).back();
   return written;
