@@ -65,8 +65,29 @@ std::string png_bytes(const GridMap& map) {
   return bytes;
 }
 
-/// A YAML string in double quotes.
-std::string quoted(const std::string& text) {
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.9g", value);
+  return text;
+}
+
+std::string yaml_text(const GridMap& map,
+                      GridMode mode,
+                      const std::string& image,
+                      const std::vector<std::string>& comments) {
+  std::string yaml;
+  for (const std::string& comment : comments) yaml += "# " + comment + "\n";
+  yaml += "image: " + yaml_quoted(image) + "\n";
+  yaml += "resolution: " + number(map.resolution) + "\n";
+  yaml += "origin: [" + number(map.corner.x()) + ", " + number(map.corner.y()) + ", 0.0]\n";
+  yaml += "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  yaml += std::string("mode: ") + (mode == GridMode::scale ? "scale" : "trinary") + "\n";
+  return yaml;
+}
+
+}  // namespace
+
+std::string yaml_quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -80,28 +101,6 @@ std::string quoted(const std::string& text) {
   }
   return result + "\"";
 }
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.9g", value);
-  return text;
-}
-
-std::string yaml_text(const GridMap& map,
-                      GridMode mode,
-                      const std::string& image,
-                      const std::vector<std::string>& comments) {
-  std::string yaml;
-  for (const std::string& comment : comments) yaml += "# " + comment + "\n";
-  yaml += "image: " + quoted(image) + "\n";
-  yaml += "resolution: " + number(map.resolution) + "\n";
-  yaml += "origin: [" + number(map.corner.x()) + ", " + number(map.corner.y()) + ", 0.0]\n";
-  yaml += "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
-  yaml += std::string("mode: ") + (mode == GridMode::scale ? "scale" : "trinary") + "\n";
-  return yaml;
-}
-
-}  // namespace
 
 std::vector<std::filesystem::path> grid_file_paths(const std::filesystem::path& stem,
                                                    GridMode mode) {

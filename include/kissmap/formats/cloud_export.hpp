@@ -4,11 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <vector>
 
 #include "kissmap/cloud/crop_region.hpp"
 #include "kissmap/formats/cloud_writer.hpp"
+#include "kissmap/formats/export_progress.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
 
@@ -38,9 +38,6 @@ struct CloudExportSummary {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< that PCD and PLY coordinates lack [m]
   std::filesystem::path offset_file;                 ///< where it was written; empty if it is zero
 };
-
-/// What is being done, for people: "reading scans", 3 of 100.
-using ExportProgress = std::function<void(const char* what, std::uint64_t done, std::uint64_t of)>;
 
 /// Writes the points of a session, each where the final trajectory puts it, to `output`: a .pcd,
 /// .ply or .las file, or with tile_size a folder of .pcd tiles and the metadata that Autoware's map

@@ -27,6 +27,9 @@ void write_grid(const GridMap& map,
                 const std::filesystem::path& stem,
                 const std::vector<std::string>& comments = {});
 
+/// A YAML string in double quotes.
+std::string yaml_quoted(const std::string& text);
+
 /// The files write_grid() would write: image, then YAML.
 std::vector<std::filesystem::path> grid_file_paths(const std::filesystem::path& stem,
                                                    GridMode mode);

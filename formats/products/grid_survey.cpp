@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "formats/products/grid_survey.hpp"
+
+#include <algorithm>
+
+#include "kissmap/formats/session_replay.hpp"
+#include "kissmap/grid/levels.hpp"
+#include "kissmap/grid/wall_direction.hpp"
+
+namespace kissmap {
+namespace {
+
+constexpr double floor_cell = 0.25;   // m
+constexpr double floor_reach = 25.0;  // m
+
+Rigid3 turned_along_walls(const Session& session, const Rigid3& level_from_map) {
+  std::vector<Eigen::Vector3f> normals;
+  for (const LocalMap& local_map : session.local_maps) {
+    const Eigen::Matrix3f rotation =
+        (level_from_map.rotation * local_map.map_from_local_map.rotation)
+            .toRotationMatrix()
+            .cast<float>();
+    const SurfelCloud surfels = read_local_map_surfels(session.path, local_map.id);
+    for (const Eigen::Vector3f& normal : surfels.normals) normals.emplace_back(rotation * normal);
+  }
+  Rigid3 aligned;
+  aligned.rotation = Eigen::AngleAxisd(-wall_direction(normals), Eigen::Vector3d::UnitZ());
+  return aligned * level_from_map;
+}
+
+}  // namespace
+
+SensorPath GridSurvey::path_on(std::uint32_t level) const {
+  SensorPath found;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (levels[i] == level) found.push_back(path[i]);
+  }
+  return found;
+}
+
+FloorMap GridSurvey::floor_of(std::uint32_t level) const {
+  if (!(sensor_height > 0.0)) return {};
+  return floor_under(path_on(level), samples, floor_cell, sensor_height);
+}
+
+double GridSurvey::height_of(std::uint32_t level) const {
+  const SensorPath there = path_on(level);
+  double sum = 0.0;
+  for (const Eigen::Vector3d& place : there) sum += place.z() - sensor_height;
+  return sum / static_cast<double>(std::max<std::size_t>(1, there.size()));
+}
+
+GridSurvey survey_session(const Session& session,
+                          const GridExportOptions& options,
+                          const ExportProgress& progress) {
+  GridSurvey survey;
+  survey.level_from_map = level_from_map(session);
+  if (options.align_axes) {
+    survey.level_from_map = turned_along_walls(session, survey.level_from_map);
+  }
+  FloorSampler sampler(floor_cell, floor_reach);
+  double range_sum = 0.0;
+  std::uint64_t points = 0;
+  const auto look = [&](const PlacedScan& scan) {
+    if (options.floor_reference) sampler.add(scan, survey.level_from_map);
+    survey.path.push_back(survey.level_from_map * scan.map_from_lidar.translation);
+    for (const Eigen::Vector3f& point : scan.points) range_sum += static_cast<double>(point.norm());
+    points += scan.points.size();
+  };
+  for_each_placed_scan(session, options, "looking for the floor", progress, look);
+  survey.mean_range = points == 0 ? 0.0 : range_sum / static_cast<double>(points);
+  survey.samples = sampler.samples();
+  survey.sensor_height = sensor_height(survey.path, survey.samples, floor_cell);
+  survey.levels.assign(survey.path.size(), 0);
+  if (options.floor_reference) survey.levels = levels_of(survey.path);
+  if (!survey.levels.empty()) survey.level_count = *std::ranges::max_element(survey.levels) + 1;
+  return survey;
+}
+
+void for_each_placed_scan(const Session& session,
+                          const GridExportOptions& options,
+                          const char* what,
+                          const ExportProgress& progress,
+                          const std::function<void(const PlacedScan&)>& call) {
+  SessionReplay replay(session, options.min_range, options.max_range, options.moved_log);
+  while (const std::optional<PlacedScan> scan = replay.next()) {
+    call(*scan);
+    progress(what, scan->scan_idx + 1, replay.size());
+  }
+}
+
+}  // namespace kissmap

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "kissmap/formats/export_progress.hpp"
+#include "kissmap/formats/grid_files.hpp"
+#include "kissmap/formats/session.hpp"
+#include "kissmap/grid/grid_map.hpp"
+#include "kissmap/parallel/thread_pool.hpp"
+
+namespace kissmap {
+
+/// What of a session becomes a 2D map, and how.
+struct GridExportOptions {
+  double min_range = 0.0;       ///< m; nearer returns are left out
+  double max_range = 100.0;     ///< m; farther ones, too
+  double z_min = 0.1;           ///< m
+  double z_max = 1.8;           ///< m
+  double resolution = 0.0;      ///< m; 0: 0.05, 0.1 or 0.2 by how near things are
+  bool floor_reference = true;  ///< heights from the floor, else from the level of the start
+  GridMode mode = GridMode::trinary;
+  ColumnRule rule;
+  int min_group = 0;                        ///< cells, see remove_small_groups
+  bool connected = false;                   ///< see keep_connected_free
+  bool align_axes = false;                  ///< turns the walls along x and y
+  std::optional<Eigen::AlignedBox2d> crop;  ///< m
+  bool overwrite = false;
+  std::filesystem::path moved_log;  ///< where the log is now, if it moved
+};
+
+/// The map of one storey, as written.
+struct ExportedGrid {
+  std::filesystem::path yaml;
+  GridMap map;
+  std::uint64_t scans = 0;  ///< whose rays were cast
+};
+
+struct GridExportSummary {
+  std::vector<ExportedGrid> levels;  ///< from the lowest up
+  bool floor_seen = true;            ///< false: heights are those above the level of the start
+};
+
+/// Casts the rays of a session's scans and writes a map of each storey the path goes through:
+/// STEM.pgm (or .png), STEM.yaml and STEM_look.png; with several storeys STEM_level0... and
+/// STEM_levels.yaml, which lists them. Frame: that of the session, levelled by level_from_map();
+/// the YAML says by what. The same bytes on every run and for any number of threads. Reads the log
+/// twice. Memory grows with the area seen. Throws Error(usage) for options out of range and for
+/// files that are there without `overwrite`; Error(input) as SessionReplay does; Error(output)
+/// naming the file.
+GridExportSummary export_grid(const Session& session,
+                              const std::filesystem::path& stem,
+                              const GridExportOptions& options,
+                              ThreadPool& pool,
+                              const ExportProgress& progress);
+
+}  // namespace kissmap
