@@ -36,12 +36,12 @@ void require_valid(const GridBand& band) {
 
 class BandMapper::Impl {
  public:
-  Impl(const FloorMap& floor, const GridBand& band, const OccupancyOptions& options)
+  Impl(const FloorMap& floor, const GridBand& band, const BandBelief& belief)
       : floor_(floor),
         band_((require_valid(band), band)),
-        margin_(options.free_margin),
+        margin_(belief.free_margin),
         layer_height_((band.z_max - band.z_min) / layers_of(band)),
-        voxels_(layers_of(band), options) {}
+        voxels_(layers_of(band), belief.log_odds) {}
 
   void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool) {
     const Rigid3 level_from_lidar = level_from_map * scan.map_from_lidar;
@@ -97,8 +97,8 @@ class BandMapper::Impl {
   BandVoxels voxels_;
 };
 
-BandMapper::BandMapper(const FloorMap& floor, const GridBand& band, const OccupancyOptions& options)
-    : impl_(std::make_unique<Impl>(floor, band, options)) {
+BandMapper::BandMapper(const FloorMap& floor, const GridBand& band, const BandBelief& belief)
+    : impl_(std::make_unique<Impl>(floor, band, belief)) {
 }
 
 BandMapper::~BandMapper() = default;

@@ -139,8 +139,8 @@ class BandVoxels::Marks {
   Voxel latest_at_;
 };
 
-BandVoxels::BandVoxels(int layers, const OccupancyOptions& options)
-    : layers_(layers), model_((require_valid(options), options)) {
+BandVoxels::BandVoxels(int layers, const LogOddsOptions& options)
+    : layers_(layers), steps_(LogOddsSteps::from(options)) {
 }
 
 std::size_t BandVoxels::tile_voxels() const {
@@ -151,9 +151,16 @@ BandVoxels::Tile& BandVoxels::tile(VoxelKey key) {
   const auto [place, added] = places_.try_emplace(key, tiles_.size());
   if (added) {
     const Voxel at = voxel_from_key(key);
-    tiles_.push_back({at.x, at.y, std::vector<LogOdds>(tile_voxels(), never_seen)});
+    tiles_.push_back({at.x, at.y, std::vector<LogOdds>(tile_voxels(), unknown_log_odds)});
   }
   return tiles_[place->second];
+}
+
+LogOdds BandVoxels::updated(LogOdds before, bool hit) const {
+  const int known = before == unknown_log_odds ? 0 : before;
+  const int after = hit ? known + steps_.hit : known - steps_.miss;
+  return static_cast<LogOdds>(
+      std::clamp(after, static_cast<int>(steps_.min), static_cast<int>(steps_.max)));
 }
 
 void BandVoxels::apply(const Mask& hits, const Mask& misses, Tile& tile) const {
@@ -165,7 +172,7 @@ void BandVoxels::apply(const Mask& hits, const Mask& misses, Tile& tile) const {
       const auto bit = static_cast<std::size_t>(std::countr_zero(changed));
       changed &= changed - 1;
       const bool hit = (hits[i] >> bit & 1U) != 0;
-      column[bit] = hit ? model_.after_hit(column[bit]) : model_.after_miss(column[bit]);
+      column[bit] = updated(column[bit], hit);
     }
   }
 }
@@ -200,12 +207,16 @@ GridMap BandVoxels::grid(double resolution, const ColumnRule& rule) const {
   map.width = (high_x.x + 1) * tile_cells - first_x;
   map.height = (high_y.y + 1) * tile_cells - first_y;
   map.cells.resize(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
+  const auto probability = [this](LogOdds value) {
+    return value == unknown_log_odds ? std::numeric_limits<float>::quiet_NaN()
+                                     : static_cast<float>(steps_.probability(value));
+  };
   std::vector<float> column(static_cast<std::size_t>(layers_));
   for (const Tile& tile : tiles_) {
     for (int cell = 0; cell < tile_cells * tile_cells; ++cell) {
       const auto begin = static_cast<std::size_t>(cell) * column.size();
       for (std::size_t layer = 0; layer < column.size(); ++layer) {
-        column[layer] = LogOddsModel::probability(tile.voxels[begin + layer]);
+        column[layer] = probability(tile.voxels[begin + layer]);
       }
       map.at(tile.x * tile_cells + cell % tile_cells - first_x,
              tile.y * tile_cells + cell / tile_cells - first_y) = judge_column(column, rule);

@@ -30,7 +30,7 @@ struct BandScan {
 /// Memory is one byte a voxel of the tiles that rays have met.
 class BandVoxels {
  public:
-  BandVoxels(int layers, const OccupancyOptions& options);
+  BandVoxels(int layers, const LogOddsOptions& options);
 
   /// Takes in one scan, given in parts by threads: each voxel is changed once, and a hit in it wins
   /// over all rays through it.
@@ -54,11 +54,12 @@ class BandVoxels {
   class Marks;
 
   std::size_t tile_voxels() const;
+  LogOdds updated(LogOdds before, bool hit) const;
   Tile& tile(VoxelKey key);
   void apply(const Mask& hits, const Mask& misses, Tile& tile) const;
 
   int layers_;
-  LogOddsModel model_;
+  LogOddsSteps steps_;
   std::vector<Tile> tiles_;  ///< in the order they were met
   std::unordered_map<VoxelKey, std::size_t> places_;
 };

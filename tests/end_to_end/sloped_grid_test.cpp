@@ -49,7 +49,7 @@ class SlopedGrid : public testing::Test {
     }
     const double height = sensor_height(path_, samples_, floor_cell);
     ThreadPool pool;
-    BandMapper mapper(floor_under(path, samples_, floor_cell, height), band, {});
+    BandMapper mapper(floor_under(path, samples_, floor_cell, height), band);
     for (std::size_t i = 0; i < path_.size(); ++i) {
       if (levels_[i] == level) mapper.add(truly_placed(*simulator_, 1 + every * i), Rigid3{}, pool);
     }

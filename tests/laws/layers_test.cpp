@@ -51,6 +51,7 @@ TEST(Layers, CoreSeesNoFormats) {
                            "mapping",
                            "graph",
                            "loop_closing",
+                           "occupancy",
                            "evaluation"}) {
     EXPECT_THAT(includes_matching(root / "include/kissmap" / room, "formats/"), IsEmpty()) << room;
   }

@@ -24,6 +24,13 @@ struct GridBand {
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const GridBand& band);
 
+/// How the band's voxels are believed. Seeing through a voxel counts half of what is usual: a
+/// chair's leg fills a small part of a voxel, and rays pass beside it.
+struct BandBelief {
+  LogOddsOptions log_odds{0.7, 0.45, 0.12, 0.97, 0.5};
+  double free_margin = 0.1;  ///< m before a hit that are not taken for free
+};
+
 /// 3D occupancy of a band above the floor, and the 2D map it makes.
 ///
 /// Rays are cast through voxels whose z is the height above the floor: layers of them begin exactly
@@ -32,7 +39,7 @@ void require_valid(const GridBand& band);
 /// is cut off in z. Same result for any number of threads. Not thread safe.
 class BandMapper {
  public:
-  BandMapper(const FloorMap& floor, const GridBand& band, const OccupancyOptions& options);
+  BandMapper(const FloorMap& floor, const GridBand& band, const BandBelief& belief = {});
   ~BandMapper();
 
   /// Casts the rays of a scan. `level_from_map` as for the floor.

@@ -1,63 +1,44 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 
 namespace kissmap {
 
-/// How a voxel's probability of being occupied follows from what scans say of it (Thrun, Burgard,
-/// Fox: Probabilistic Robotics, 9.2; clamping: Yguel, Aycard, Laugier 2008).
-struct OccupancyOptions {
-  double hit = 0.7;      ///< probability of a voxel with a hit in it, one scan
-  double miss = 0.45;    ///< the same of a voxel only seen through
-  double lowest = 0.12;  ///< probabilities are kept between these
-  double highest = 0.97;
-  double free_margin = 0.1;  ///< m before a hit that are not taken for free
+/// Parameters of the inverse sensor model (Thrun, Burgard, Fox: Probabilistic Robotics, 2005,
+/// chapter 9). Defaults are those of OctoMap.
+struct LogOddsOptions {
+  double hit_probability = 0.7;       ///< of a voxel that a ray ends in; above 0.5
+  double miss_probability = 0.4;      ///< of a voxel that a ray crosses; below 0.5
+  double min_probability = 0.12;      ///< clamp; below 0.5
+  double max_probability = 0.97;      ///< clamp; above 0.5
+  double occupied_probability = 0.5;  ///< a voxel is occupied above it; between the clamps
 };
-/// Throws Error(usage) naming the field, its value and its range.
-void require_valid(const OccupancyOptions& options);
 
-/// Log-odds of one voxel in steps of 1/30, in a byte; 30 steps are a factor of e.
+/// A voxel's belief: log-odds in whole multiples of a unit. Whole numbers add without rounding, so
+/// that the order of updates never matters between the clamps.
 using LogOdds = std::int8_t;
-inline constexpr LogOdds never_seen = std::numeric_limits<LogOdds>::min();
 
-/// The options as whole steps.
-class LogOddsModel {
- public:
-  explicit LogOddsModel(const OccupancyOptions& options)
-      : hit_(steps(options.hit)),
-        miss_(steps(options.miss)),
-        lowest_(steps(options.lowest)),
-        highest_(steps(options.highest)) {}
+/// The belief of a voxel never seen, which is no number of units.
+inline constexpr LogOdds unknown_log_odds = -128;
 
-  LogOdds after_hit(LogOdds before) const { return moved(before, hit_); }
-  LogOdds after_miss(LogOdds before) const { return moved(before, miss_); }
+/// The options in units. The unit is the one, among those in which the clamps fit into LogOdds,
+/// that changes the steps and clamps least by rounding (0.3 % for the defaults).
+struct LogOddsSteps {
+  double unit = 0.0;     ///< log-odds of one
+  LogOdds hit = 0;       ///< added by a hit, > 0
+  LogOdds miss = 0;      ///< subtracted by a miss, > 0
+  LogOdds min = 0;       ///< < 0
+  LogOdds max = 0;       ///< > 0
+  LogOdds occupied = 0;  ///< occupied means above this
 
-  /// NaN for a voxel never seen.
-  static float probability(LogOdds value) {
-    if (value == never_seen) return std::numeric_limits<float>::quiet_NaN();
-    return 1.0F / (1.0F + std::exp(-static_cast<float>(value) / steps_per_unit));
-  }
+  /// Throws Error(usage) naming an option out of range, or if the steps are so far apart that
+  /// rounding would change one by more than 5 %.
+  static LogOddsSteps from(const LogOddsOptions& options);
 
- private:
-  static constexpr float steps_per_unit = 30.0F;
-
-  static int steps(double probability) {
-    const double log_odds = std::log(probability / (1.0 - probability));
-    return static_cast<int>(std::lround(static_cast<double>(steps_per_unit) * log_odds));
-  }
-  LogOdds moved(LogOdds before, int by) const {
-    const int known = before == never_seen ? 0 : before;
-    return static_cast<LogOdds>(std::clamp(known + by, lowest_, highest_));
-  }
-
-  int hit_;
-  int miss_;
-  int lowest_;
-  int highest_;
+  double probability(LogOdds value) const;  ///< 0.5 for unknown_log_odds
+  bool is_occupied(LogOdds value) const { return value > occupied; }
+  bool is_free(LogOdds value) const { return value != unknown_log_odds && value <= occupied; }
 };
 
 }  // namespace kissmap
