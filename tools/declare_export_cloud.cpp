@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "declare_how.hpp"
+
 namespace kissmap {
 namespace {
 
@@ -73,15 +75,7 @@ CLI::App& declare_export_cloud(CLI::App& app, ExportCloudCommand& c) {
       ->check(CLI::Range(1, 100000));
   command.add_flag(
       "--compress", c.compress, "write .pcd files as binary_compressed, 4 GiB of points at most");
-  command.add_option("--log", c.log, "where the log is now, if it moved")->type_name("PATH");
-  command
-      .add_option("--threads",
-                  c.threads,
-                  "threads for computing (0: one a processor); the result is the same for any")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024));
-  command.add_flag("--overwrite", c.overwrite, "replace FILE, or a folder that holds only tiles");
-  command.add_flag("--quiet", c.quiet, "print errors only");
+  declare_how(command, c, "replace FILE, or a folder that holds only tiles");
   declare_what(command, c);
   return command;
 }

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "declare_how.hpp"
+
 namespace kissmap {
 namespace {
 
@@ -83,15 +85,7 @@ CLI::App& declare_export_grid(CLI::App& app, ExportGridCommand& c) {
       ->type_name("X_MIN,Y_MIN,X_MAX,Y_MAX")
       ->delimiter(',')
       ->expected(4);
-  command.add_option("--log", c.log, "where the log is now, if it moved")->type_name("PATH");
-  command
-      .add_option("--threads",
-                  c.threads,
-                  "threads for computing (0: one a processor); the result is the same for any")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024));
-  command.add_flag("--overwrite", c.overwrite, "replace files of that name");
-  command.add_flag("--quiet", c.quiet, "print errors only");
+  declare_how(command, c, "replace files of that name");
   return command;
 }
 
