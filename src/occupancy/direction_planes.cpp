@@ -132,22 +132,16 @@ DirectionPlane DirectionPlanes::fit(const Grid& sums,
   return {};
 }
 
-const DirectionPlane& DirectionPlanes::plane(int level,
-                                             std::int32_t column,
-                                             std::int32_t row) const {
-  const std::int32_t inside = std::clamp(row, 0, rows(level) - 1);
-  return planes_[static_cast<std::size_t>(level)][cell_index(level, column, inside)];
-}
-
-std::array<const DirectionPlane*, DirectionPlanes::candidates> DirectionPlanes::around(
-    const DirectionCell& cell) const {
-  std::array<const DirectionPlane*, candidates> found;
+DirectionPlanes::Neighbors DirectionPlanes::around(int level, const DirectionCell& cell) const {
+  const auto& planes = planes_[static_cast<std::size_t>(level)];
+  const std::int32_t row = cell.row >> level;
+  const std::int32_t column = cell.column >> level;
+  Neighbors found;
   std::size_t n = 0;
-  for (int level = 0; level < levels; ++level) {
-    const std::int32_t column = cell.column >> level;
-    const std::int32_t row = cell.row >> level;
-    for (std::int32_t r = row - 1; r <= row + 1; ++r) {
-      for (std::int32_t c = column - 1; c <= column + 1; ++c) found[n++] = &plane(level, c, r);
+  for (std::int32_t r = row - 1; r <= row + 1; ++r) {
+    const std::int32_t inside = std::clamp(r, 0, rows(level) - 1);
+    for (std::int32_t c = column - 1; c <= column + 1; ++c) {
+      found[n++] = &planes[cell_index(level, c, inside)];
     }
   }
   return found;

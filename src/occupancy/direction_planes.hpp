@@ -34,19 +34,19 @@ class DirectionPlanes {
                   std::span<const float> ranges,
                   ThreadPool& pool);
 
-  /// The planes that may hold for a direction: of its cell and the cells around it, on all levels.
-  /// Some are not found.
-  static constexpr std::size_t candidates = 36;
-  std::array<const DirectionPlane*, candidates> around(const DirectionCell& cell) const;
+  static constexpr int levels = 4;
+
+  /// The planes that may hold for a direction: those of its cell and of the 8 around it. Some are
+  /// not found. Level 0 has the smallest cells.
+  using Neighbors = std::array<const DirectionPlane*, 9>;
+  Neighbors around(int level, const DirectionCell& cell) const;
 
  private:
-  static constexpr int levels = 4;
   struct Sums;
   using Grid = std::vector<Sums>;
 
   static Grid coarser(const Grid& fine, int coarse_level);
   static DirectionPlane fit(const Grid& sums, int level, std::int32_t column, std::int32_t row);
-  const DirectionPlane& plane(int level, std::int32_t column, std::int32_t row) const;
 
   std::array<std::vector<DirectionPlane>, levels> planes_;
 };

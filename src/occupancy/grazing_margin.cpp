@@ -16,6 +16,7 @@ using occupancy::DirectionPlane;
 using occupancy::DirectionPlanes;
 
 constexpr std::size_t rays_per_chunk = 4096;
+constexpr float min_floor_normal = 0.7F;
 
 struct Ray {
   Eigen::Vector3f start, end, direction;
@@ -32,21 +33,55 @@ Ray ray_at(const RayScan& scan, std::size_t i) {
   return ray;
 }
 
-/// m before its end that a ray has to keep clear of a plane; 0 if the plane is not in its way.
-float clearance(const Ray& ray,
-                const DirectionPlane& plane,
-                const Eigen::Vector3f& voxel_size,
-                float noise) {
-  const float start_height = plane.normal.dot(ray.start) - plane.offset;
-  const float side = start_height < 0.0F ? -1.0F : 1.0F;
-  const float sine = -side * plane.normal.dot(ray.direction);
-  if (!plane.found() || sine <= 0.0F) return 0.0F;
-  const float height = side * (plane.normal.dot(ray.end) - plane.offset);
-  const float reach = plane.normal.cwiseAbs().dot(voxel_size) + noise;
-  // Whoever returns from behind a plane came through a gap in it.
-  if (height >= reach || (ray.hit && height < -3.0F * noise)) return 0.0F;
-  return (reach - height) / sine;
-}
+class Clearance {
+ public:
+  Clearance(const DirectionPlanes& planes, const Eigen::Vector3d& voxel_size, double noise)
+      : planes_(planes),
+        voxel_size_(voxel_size.cast<float>()),
+        noise_(static_cast<float>(noise)),
+        tolerance_(3.0F * noise_) {}
+
+  /// m before its end that a ray has to keep clear of the planes around it.
+  float of(const Ray& ray, const DirectionCell& cell) const {
+    float clearance = 0.0F;
+    bool explained = false;  // the ray ends on a plane; larger cells would only blur it
+    for (int level = 0; level < DirectionPlanes::levels && !explained; ++level) {
+      for (const DirectionPlane* plane : planes_.around(level, cell)) {
+        if (!plane->found()) continue;
+        const auto [needed, on_plane] = of(ray, *plane);
+        clearance = std::max(clearance, needed);
+        explained = explained || on_plane;
+      }
+    }
+    return clearance;
+  }
+
+ private:
+  struct FromPlane {
+    float needed = 0.0F;
+    bool on_plane = false;
+  };
+
+  FromPlane of(const Ray& ray, const DirectionPlane& plane) const {
+    const float start_height = plane.normal.dot(ray.start) - plane.offset;
+    const float side = start_height < 0.0F ? -1.0F : 1.0F;
+    const float sine = -side * plane.normal.dot(ray.direction);
+    const float height = side * (plane.normal.dot(ray.end) - plane.offset);
+    const bool on_plane = ray.hit && std::abs(height) <= tolerance_;
+    if (sine <= 0.0F) return {0.0F, on_plane};
+    // What returns from behind a plane came through a gap in it. What does not return may have gone
+    // into a floor, but hardly into a wall.
+    const bool may_end_behind = !ray.hit && side * plane.normal.z() > min_floor_normal;
+    const float reach = plane.normal.cwiseAbs().dot(voxel_size_) + noise_;
+    if (height >= reach || (height < -tolerance_ && !may_end_behind)) return {0.0F, on_plane};
+    return {(reach - height) / sine, on_plane};
+  }
+
+  const DirectionPlanes& planes_;
+  Eigen::Vector3f voxel_size_;
+  float noise_;
+  float tolerance_;
+};
 
 }  // namespace
 
@@ -84,16 +119,12 @@ std::vector<float> grazing_margins(const RayScan& scan,
   }
   const DirectionPlanes planes(points, point_cells, ranges, pool);
   std::vector<float> margins(count, 0.0F);
-  const Eigen::Vector3f size = voxel_size.cast<float>();
-  const auto noise = static_cast<float>(options.surface_noise);
+  const Clearance clearance(planes, voxel_size, options.surface_noise);
   for_each_ray([&](std::size_t i) {
     const Ray ray = ray_at(scan, i);
     if (!ray.usable()) return;
-    float margin = ray.hit ? static_cast<float>(options.min_margin) : 0.0F;
-    for (const DirectionPlane* plane : planes.around(cells[i])) {
-      margin = std::max(margin, clearance(ray, *plane, size, noise));
-    }
-    margins[i] = margin;
+    const float least = ray.hit ? static_cast<float>(options.min_margin) : 0.0F;
+    margins[i] = std::max(least, clearance.of(ray, cells[i]));
   });
   return margins;
 }

@@ -28,9 +28,9 @@ struct GrazingOptions {
 /// these see no plane or too few returns, cells twice, four and eight times as wide. Steps in depth
 /// fail as planes because they leave a residual in proportion to the width of the cells.
 /// A ray that ends less than e above a plane of its neighbours, as at the foot of a wall, keeps
-/// clear of that plane too. Rays that are no hits keep clear of the planes around their direction,
-/// so that a floor that swallows the beam, or one that a ray of limited range would dip into, is
-/// not lost.
+/// clear of that plane too. Rays that are no hits keep clear of surfaces along which they pass, and
+/// of floors (n_z > 0.7, z up) below which they would end, so that a puddle that swallows the beam
+/// makes no hole. Rays that are to be bent: first the margins, then bend.
 ///
 /// One margin a ray [m], 0 for rays that are not finite. The same for any number of threads.
 /// Throws Error(usage) naming an option out of range. Working memory: 14 MB.

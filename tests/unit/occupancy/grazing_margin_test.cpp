@@ -182,6 +182,43 @@ TEST(GrazingMargin, RaysWithoutAHitKeepClearOfTheFloorTheyDipInto) {
   EXPECT_GT(open, 30'000U);
 }
 
+TEST(GrazingMargin, OpenSpaceBetweenClutterIsStillCarved) {
+  // A yard with walls that many rays pass over, and thirty boxes.
+  GrazingWorld yard;
+  yard.floor = -0.07F;
+  for (const float side : {-1.0F, 1.0F}) {
+    yard.boxes.push_back(
+        {{30.0F * side - 0.5F, -20.0F, -1.0F}, {30.0F * side + 0.5F, 20.0F, 5.0F}});
+    yard.boxes.push_back(
+        {{-30.0F, 20.0F * side - 0.5F, -1.0F}, {30.0F, 20.0F * side + 0.5F, 5.0F}});
+  }
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+  while (yard.boxes.size() < 34) {
+    const Eigen::Vector3f low(25.0F * unit(random), 18.0F * unit(random), -1.0F);
+    if (low.head<2>().norm() < 2.5F) continue;
+    const Eigen::Vector3f size(1.0F, 0.7F, 2.5F + unit(random));
+    yard.boxes.push_back({low, low + size});
+  }
+  for (const double step : {0.7, 2.0}) {
+    Rings rings{steps_between(-15.0, 15.0, step), -180.0, 180.0, 0.4, 60.0F, 0.02F};
+    const auto rays = look(yard, {0.0F, 0.0F, 0.6F}, rings, random);
+    ThreadPool pool(1);
+    OccupancyMap bare({});
+    OccupancyMap careful({});
+    add(bare, rays, false, pool);
+    add(careful, rays, true, pool);
+    std::size_t open = 0;
+    std::size_t carved = 0;
+    bare.for_each_voxel([&](const Voxel& v, LogOdds value) {
+      if (v.z < 1 || !bare.steps().is_free(value)) return;
+      ++open;
+      if (careful.is_free(v)) ++carved;
+    });
+    EXPECT_GT(static_cast<double>(carved), (step < 1.0 ? 0.98 : 0.93) * static_cast<double>(open));
+  }
+}
+
 TEST(GrazingMargin, IsTheSameForAnyNumberOfThreads) {
   GrazingWorld world;
   world.boxes = {{{5.0F, -3.0F, 0.0F}, {6.0F, 3.0F, 2.0F}}};
