@@ -345,6 +345,7 @@ TEST(OccupancyMap, TakesLessMemoryOnceOpenSpaceIsClamped) {
   EXPECT_LT(map.memory_bytes(), largest * 7 / 10);
   EXPECT_LT(map.memory_bytes(), map.block_count() * 512 * 8 / 10);
   std::size_t inside = 0;
+  const std::size_t voxels = content(map).size();
   map.for_each_voxel([&](const Voxel& voxel, LogOdds value) {
     const Eigen::Vector3d center = voxel_center(geometry, voxel);
     if (center.norm() > 1.5 || std::abs(center.z()) > 0.5) return;
@@ -352,6 +353,12 @@ TEST(OccupancyMap, TakesLessMemoryOnceOpenSpaceIsClamped) {
     EXPECT_EQ(value, map.steps().min);
   });
   EXPECT_GT(inside, 5'000U);
+  // One hit in the middle of it is seen, and changes nothing around.
+  const TestScan hit({{{0.01F, 0.01F, 0.01F}, {0.55F, 0.35F, 0.25F}, true, 5.0F}});
+  map.add(hit.scan, pool);
+  EXPECT_EQ(map.at({5, 3, 2}), map.steps().min + map.steps().hit);
+  EXPECT_EQ(map.at({4, 3, 2}), map.steps().min);
+  EXPECT_EQ(content(map).size(), voxels);
 }
 
 }  // namespace
