@@ -28,7 +28,8 @@ std::int32_t rows(int level) {
   return finest_rows >> level;
 }
 std::size_t cell_index(int level, std::int32_t column, std::int32_t row) {
-  return static_cast<std::size_t>(row * columns(level) + (column & (columns(level) - 1)));
+  const std::int32_t index = row * columns(level) + (column & (columns(level) - 1));
+  return static_cast<std::size_t>(index);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "kissmap/error.hpp"
 #include "occupancy/direction_planes.hpp"
@@ -19,7 +20,7 @@ constexpr std::size_t rays_per_chunk = 4096;
 constexpr float min_floor_normal = 0.7F;
 
 struct Ray {
-  Eigen::Vector3f start, end, direction;
+  Eigen::Vector3f start, end, direction;  // m, m, unit
   float length = 0.0F;
   bool hit = false;
   bool usable() const { return length > 0.0F && std::isfinite(length); }
@@ -83,48 +84,57 @@ class Clearance {
   float tolerance_;
 };
 
-}  // namespace
-
-std::vector<float> grazing_margins(const RayScan& scan,
-                                   const Eigen::Vector3d& voxel_size,
-                                   const GrazingOptions& options,
-                                   ThreadPool& pool) {
+void require_valid(const RayScan& scan, const GrazingOptions& options) {
   require_between("min_margin", options.min_margin, 0.0, 1e6);
   require_between("surface_noise", options.surface_noise, 1e-6, 1e3);
   const std::size_t count = scan.starts.size();
   if (scan.ends.size() != count || (!scan.is_hit.empty() && scan.is_hit.size() != count)) {
     throw Error(Fault::internal, "arrays of a scan's rays differ in length");
   }
-  std::vector<DirectionCell> cells(count);
-  const std::size_t chunks = (count + rays_per_chunk - 1) / rays_per_chunk;
+}
+
+DirectionPlanes planes_of(std::span<const Ray> rays,
+                          std::span<const DirectionCell> cells,
+                          ThreadPool& pool) {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<DirectionCell> point_cells;
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!rays[i].usable() || !rays[i].hit) continue;
+    points.push_back(rays[i].end);
+    point_cells.push_back(cells[i]);
+    ranges.push_back(rays[i].length);
+  }
+  return {points, point_cells, ranges, pool};
+}
+
+}  // namespace
+
+std::vector<float> grazing_margins(const RayScan& scan,
+                                   const Eigen::Vector3d& voxel_size,
+                                   const GrazingOptions& options,
+                                   ThreadPool& pool) {
+  require_valid(scan, options);
+  const std::size_t count = scan.starts.size();
   const auto for_each_ray = [&](const auto& body) {
-    pool.for_each_chunk(chunks, [&](std::size_t chunk) {
+    pool.for_each_chunk((count + rays_per_chunk - 1) / rays_per_chunk, [&](std::size_t chunk) {
       const std::size_t end = std::min(count, (chunk + 1) * rays_per_chunk);
       for (std::size_t i = chunk * rays_per_chunk; i < end; ++i) body(i);
     });
   };
+  std::vector<Ray> rays(count);
+  std::vector<DirectionCell> cells(count);
   for_each_ray([&](std::size_t i) {
-    const Ray ray = ray_at(scan, i);
-    if (ray.usable()) cells[i] = occupancy::direction_cell(ray.direction);
+    rays[i] = ray_at(scan, i);
+    if (rays[i].usable()) cells[i] = occupancy::direction_cell(rays[i].direction);
   });
-  std::vector<Eigen::Vector3f> points;
-  std::vector<DirectionCell> point_cells;
-  std::vector<float> ranges;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Ray ray = ray_at(scan, i);
-    if (!ray.usable() || !ray.hit) continue;
-    points.push_back(ray.end);
-    point_cells.push_back(cells[i]);
-    ranges.push_back(ray.length);
-  }
-  const DirectionPlanes planes(points, point_cells, ranges, pool);
-  std::vector<float> margins(count, 0.0F);
+  const DirectionPlanes planes = planes_of(rays, cells, pool);
   const Clearance clearance(planes, voxel_size, options.surface_noise);
+  std::vector<float> margins(count, 0.0F);
   for_each_ray([&](std::size_t i) {
-    const Ray ray = ray_at(scan, i);
-    if (!ray.usable()) return;
-    const float least = ray.hit ? static_cast<float>(options.min_margin) : 0.0F;
-    margins[i] = std::max(least, clearance.of(ray, cells[i]));
+    if (!rays[i].usable()) return;
+    const float least = rays[i].hit ? static_cast<float>(options.min_margin) : 0.0F;
+    margins[i] = std::max(least, clearance.of(rays[i], cells[i]));
   });
   return margins;
 }

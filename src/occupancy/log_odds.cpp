@@ -2,8 +2,9 @@
 #include "kissmap/occupancy/log_odds.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 
 #include "kissmap/error.hpp"
 #include "options.hpp"
@@ -28,7 +29,7 @@ void require_valid(const LogOddsOptions& o) {
 }
 
 /// Largest relative change by rounding to whole units.
-double change(const std::array<double, 4>& values, double unit) {
+double change(std::initializer_list<double> values, double unit) {
   double worst = 0.0;
   for (const double value : values) {
     const double units = value / unit;
@@ -49,15 +50,20 @@ LogOddsSteps LogOddsSteps::from(const LogOddsOptions& options) {
   const double miss = -log_odds(options.miss_probability);
   const double low = -log_odds(options.min_probability);
   const double high = log_odds(options.max_probability);
-  const std::array<double, 4> values{hit, miss, low, high};
   const double smallest = std::min(hit, miss);
-  const double largest = *std::ranges::max_element(values);
-  double best_change = max_change;
+  const double largest = std::max({hit, miss, low, high});
+  double best_cost = std::numeric_limits<double>::infinity();
   double unit = 0.0;
   for (int n = 1; largest * n / smallest < max_units; ++n) {
-    if (const double c = change(values, smallest / n); c < best_change) {
-      best_change = c;
-      unit = smallest / n;
+    const double candidate = smallest / n;
+    const double of_steps = change({hit, miss}, candidate);
+    const double of_clamps = change({low, high}, candidate);
+    if (std::max(of_steps, of_clamps) > max_change) continue;
+    // The ratio of the steps decides between occupied and free, the clamps only how soon.
+    const double cost = of_steps + 0.1 * of_clamps;
+    if (cost < best_cost) {
+      best_cost = cost;
+      unit = candidate;
     }
   }
   if (unit == 0.0) {

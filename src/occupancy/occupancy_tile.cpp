@@ -172,14 +172,14 @@ void OccupancyTile::release(std::size_t block) {
 }
 
 LogOdds OccupancyTile::at(std::int32_t x, std::int32_t y, std::int32_t z) const {
-  const auto block =
-      static_cast<std::size_t>((x >> block_bits) + (y >> block_bits) * blocks_per_side +
-                               (z >> block_bits) * blocks_per_side * blocks_per_side);
-  const std::uint16_t entry = directory_[block];
+  const std::int32_t block =
+      ((z >> block_bits) * blocks_per_side + (y >> block_bits)) * blocks_per_side +
+      (x >> block_bits);
+  const std::uint16_t entry = directory_[static_cast<std::size_t>(block)];
   if (entry >= uniform) return value_of(entry);
-  const std::int32_t low = block_side - 1;
-  return stored(entry)[static_cast<std::size_t>((x & low) + (y & low) * block_side +
-                                                (z & low) * block_side * block_side)];
+  constexpr std::int32_t low = block_side - 1;
+  const std::int32_t voxel = ((z & low) * block_side + (y & low)) * block_side + (x & low);
+  return stored(entry)[static_cast<std::size_t>(voxel)];
 }
 
 bool OccupancyTile::read_block(std::size_t block, BlockValues& values) const {

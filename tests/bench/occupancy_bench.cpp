@@ -7,11 +7,11 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
-#include <memory>
-#include <random>
-#include <string>
+#include <limits>
+#include <set>
 
+#include "bench/hall_scans.hpp"
+#include "kissmap/occupancy/grazing_margin.hpp"
 #include "kissmap/occupancy/occupancy_map.hpp"
 #ifdef KISSMAP_BONXAI
 #include "bonxai_map/probabilistic_map.hpp"
@@ -20,77 +20,9 @@
 namespace kissmap {
 namespace {
 
-constexpr float max_range = 50.0F;
-
-struct Box {
-  Eigen::Vector3f low, high;
-};
-
-struct SimulatedScan {
-  Eigen::Vector3f sensor;
-  std::vector<Eigen::Vector3f> ends;  // map frame
-  std::vector<std::uint8_t> is_hit;
-};
-
-/// Distance along a unit direction to what is met first in a hall of 90 x 60 x 10 m with shelves.
-class Hall {
- public:
-  Hall() {
-    std::mt19937 random(3);
-    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
-    for (int i = 0; i < 60; ++i) {
-      const Eigen::Vector3f low(90 * unit(random) - 45, 60 * unit(random) - 30, 0.0F);
-      if (std::abs(low.y()) < 4.0F) continue;  // the aisle driven along
-      const Eigen::Vector3f size(
-          0.3F + 3 * unit(random), 0.3F + 2 * unit(random), 0.5F + 4 * unit(random));
-      boxes_.push_back({low, low + size});
-    }
-  }
-
-  float range(const Eigen::Vector3f& from, const Eigen::Vector3f& direction) const {
-    const Eigen::Array3f inverse = direction.array().inverse();
-    const auto crossing = [&](const Box& box) {
-      const Eigen::Array3f a = (box.low - from).array() * inverse;
-      const Eigen::Array3f b = (box.high - from).array() * inverse;
-      return std::pair(a.min(b).maxCoeff(), a.max(b).minCoeff());
-    };
-    float nearest = crossing({{-45, -30, 0}, {45, 30, 10}}).second;
-    for (const Box& box : boxes_) {
-      const auto [enter, leave] = crossing(box);
-      if (enter > 0.0F && enter < leave) nearest = std::min(nearest, enter);
-    }
-    return nearest;
-  }
-
- private:
-  std::vector<Box> boxes_;
-};
-
-SimulatedScan simulate(const Hall& hall, int number, int scans) {
-  std::mt19937 random(static_cast<unsigned>(number));
-  std::normal_distribution<float> noise(0.0F, 0.02F);
-  SimulatedScan scan;
-  const float way = static_cast<float>(number) / static_cast<float>(scans);
-  scan.sensor = {-20.0F + 40.0F * way, 0.5F * std::sin(6.0F * way), 1.7F};
-  const float heading = 0.3F * std::sin(9.0F * way);
-  for (int column = 0; column < 1024; ++column) {
-    const float azimuth = heading + 6.2831853F * static_cast<float>(column) / 1024.0F;
-    for (int ring = 0; ring < 64; ++ring) {
-      const float elevation = 0.3927F * (2.0F * static_cast<float>(ring) / 63.0F - 1.0F);  // 22.5
-      const Eigen::Vector3f direction(std::cos(azimuth) * std::cos(elevation),
-                                      std::sin(azimuth) * std::cos(elevation),
-                                      std::sin(elevation));
-      const float range = hall.range(scan.sensor, direction) + noise(random);
-      scan.is_hit.push_back(range < max_range ? 1 : 0);
-      scan.ends.emplace_back(scan.sensor + std::min(range, max_range) * direction);
-    }
-  }
-  return scan;
-}
-
-double cpu_seconds() {
+double cpu_seconds(clockid_t clock = CLOCK_PROCESS_CPUTIME_ID) {
   timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
@@ -107,18 +39,25 @@ class Engine {
   void timed_add(const SimulatedScan& scan) {
     const double wall = wall_seconds();
     const double cpu = cpu_seconds();
+    const double own = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
     add(scan);
     cpu_ += cpu_seconds() - cpu;
+    own_cpu_ += cpu_seconds(CLOCK_THREAD_CPUTIME_ID) - own;
     wall_ += wall_seconds() - wall;
+    best_wall_ = std::min(best_wall_, wall_seconds() - wall);
     ++scans_;
   }
   double cpu() const { return cpu_ / scans_; }
   double wall() const { return wall_ / scans_; }
+  double best_wall() const { return best_wall_; }
+  double share_of_other_threads() const { return 1.0 - own_cpu_ / cpu_; }
   int scans() const { return scans_; }
 
  private:
   double cpu_ = 0.0;
+  double own_cpu_ = 0.0;
   double wall_ = 0.0;
+  double best_wall_ = std::numeric_limits<double>::infinity();
   int scans_ = 0;
 };
 
@@ -128,7 +67,16 @@ class Kissmap : public Engine {
       : map_({Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(voxel_size), {}}, options(thin)),
         pool_(threads) {}
 
-  void add(const SimulatedScan& scan) override {
+  void add(const SimulatedScan& scan) override { thinned_ += map_.add(rays(scan), pool_).thinned; }
+  std::vector<float> margins(const SimulatedScan& scan) {
+    return grazing_margins(rays(scan), map_.geometry().voxel_size, {}, pool_);
+  }
+  std::size_t memory() const override { return map_.memory_bytes(); }
+  const OccupancyMap& map() const { return map_; }
+  std::uint64_t thinned() const { return thinned_; }
+
+ private:
+  RayScan rays(const SimulatedScan& scan) {
     starts_.assign(scan.ends.size(), Eigen::Vector3f::Zero());
     ends_.clear();
     for (const Eigen::Vector3f& end : scan.ends) ends_.emplace_back(end - scan.sensor);
@@ -137,12 +85,8 @@ class Kissmap : public Engine {
     rays.starts = starts_;
     rays.ends = ends_;
     rays.is_hit = scan.is_hit;
-    map_.add(rays, pool_);
+    return rays;
   }
-  std::size_t memory() const override { return map_.memory_bytes(); }
-  const OccupancyMap& map() const { return map_; }
-
- private:
   static OccupancyOptions options(bool thin) {
     OccupancyOptions options;
     options.one_ray_per_end_voxel = thin;
@@ -151,6 +95,7 @@ class Kissmap : public Engine {
   OccupancyMap map_;
   ThreadPool pool_;
   std::vector<Eigen::Vector3f> starts_, ends_;
+  std::uint64_t thinned_ = 0;
 };
 
 class Octomap : public Engine {
@@ -191,14 +136,14 @@ void print(const char* name, const Engine& engine) {
               1e-6 * static_cast<double>(engine.memory()));
 }
 
-/// Ground seen from above, in cells of 1 m: what memory is stated per.
-std::size_t square_metres(const OccupancyMap& map) {
-  std::map<std::pair<int, int>, int> cells;
+/// Ground below blocks with a known voxel: what memory is stated per.
+double square_metres(const OccupancyMap& map) {
+  std::set<std::pair<int, int>> columns;
   map.for_each_block([&](const OccupancyBlock& block) {
-    const Eigen::Vector3d p = voxel_center(map.geometry(), block.first);
-    ++cells[{static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y()))}];
+    columns.insert({block.first.x, block.first.y});
   });
-  return cells.size();
+  const Eigen::Vector3d side = occupancy_block_side * map.geometry().voxel_size;
+  return static_cast<double>(columns.size()) * side.x() * side.y();
 }
 
 int run(double voxel_size, int scans, int octomap_scans) {
@@ -210,8 +155,12 @@ int run(double voxel_size, int scans, int octomap_scans) {
 #ifdef KISSMAP_BONXAI
   BonxaiMap bonxai(voxel_size);
 #endif
+  double margins_cpu = 0.0;
   for (int i = 0; i < scans; ++i) {
     const SimulatedScan scan = simulate(hall, i, scans);
+    const double before = cpu_seconds();
+    every.margins(scan);
+    margins_cpu += cpu_seconds() - before;
 #ifdef KISSMAP_BONXAI
     bonxai.timed_add(scan);
 #endif
@@ -225,11 +174,18 @@ int run(double voxel_size, int scans, int octomap_scans) {
   print("kissmap, one ray a voxel", thinned);
   print("kissmap, every ray, 2 threads", two_threads);
   if (octomap.scans() > 0) print("octomap, every ray", octomap);
-  const auto area = static_cast<double>(square_metres(every.map()));
+  const double area = square_metres(every.map());
   std::printf("kissmap: %.0f bytes a square metre of %.0f\n",
               static_cast<double>(every.memory()) / area,
               area);
-  std::printf("two threads: wall %.2f of one thread's\n", two_threads.wall() / every.wall());
+  std::printf("grazing margins, not in the above: cpu %.2f ms a scan\n", 1e3 * margins_cpu / scans);
+  std::printf("one ray a voxel casts %.0f %% of the rays\n",
+              100.0 - static_cast<double>(thinned.thinned()) / scans / 655.36);
+  std::printf(
+      "two threads: wall %.2f of one thread's, %.2f in the best scan; the second does %.0f %%\n",
+      two_threads.wall() / every.wall(),
+      two_threads.best_wall() / every.best_wall(),
+      100.0 * two_threads.share_of_other_threads());
 #ifdef KISSMAP_BONXAI
   print("bonxai, one ray a voxel", bonxai);
   std::printf("every ray: %.2f of bonxai's time; one ray a voxel: %.2f; memory: %.2f\n",

@@ -23,7 +23,9 @@ using LogOdds = std::int8_t;
 inline constexpr LogOdds unknown_log_odds = -128;
 
 /// The options in units. The unit is the one, among those in which the clamps fit into LogOdds,
-/// that changes the steps and clamps least by rounding (0.3 % for the defaults).
+/// that changes the steps least by rounding, then the clamps: for the defaults the ratio of hit to
+/// miss by 0.06 %, the clamps by 0.3 %. Of voxels hit at any rate, rounding then changes whether
+/// one is occupied in less than 1 of 2000 cases.
 struct LogOddsSteps {
   double unit = 0.0;     ///< log-odds of one
   LogOdds hit = 0;       ///< added by a hit, > 0

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "kissmap/error.hpp"
 
@@ -47,6 +49,27 @@ TEST(LogOdds, OccupiedMeansAboveItsProbability) {
       if (std::abs(probability - p) < 1e-9) continue;
       ASSERT_EQ(steps.is_occupied(static_cast<LogOdds>(value)), probability > p) << p;
     }
+  }
+}
+
+TEST(LogOdds, DecideAsExactOnesDo) {
+  // Voxels hit by chance: at no share of hits may rounding change what more than 1 in 1000 are.
+  const LogOddsSteps steps = LogOddsSteps::from({});
+  std::mt19937 random(1);
+  for (unsigned percent = 5; percent < 100; percent += 5) {
+    int different = 0;
+    constexpr int decisions = 200'000;
+    for (int voxel = 0; voxel < decisions / 50; ++voxel) {
+      double exact = 0.0;
+      int rounded = 0;
+      for (int scan = 0; scan < 50; ++scan) {
+        const bool hit = random() % 100 < percent;
+        exact = std::clamp(exact + log_odds(hit ? 0.7 : 0.4), log_odds(0.12), log_odds(0.97));
+        rounded = std::clamp<int>(rounded + (hit ? steps.hit : -steps.miss), steps.min, steps.max);
+        if ((exact > 0.0) != steps.is_occupied(static_cast<LogOdds>(rounded))) ++different;
+      }
+    }
+    EXPECT_LT(different, decisions / 1000) << percent << " % hits";
   }
 }
 
