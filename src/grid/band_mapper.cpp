@@ -4,18 +4,37 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/band_voxels.hpp"
 #include "grid/bent_ray.hpp"
+#include "grid/column_projection.hpp"
+#include "kissmap/occupancy/occupancy_map.hpp"
+#include "occupancy/scan_rays.hpp"
 #include "options.hpp"
 
 namespace kissmap {
 namespace {
+
+using occupancy::ScanRays;
 
 constexpr std::size_t rays_per_part = 4096;
 
 int layers_of(const GridBand& band) {
   const double height = band.z_max - band.z_min;
   return std::max(1, static_cast<int>(std::ceil(height / band.resolution - 1e-9)));
+}
+
+/// Layers that begin and end exactly with the band.
+OccupancyGeometry geometry_of(const GridBand& band) {
+  const int layers = layers_of(band);
+  const double layer_height = (band.z_max - band.z_min) / layers;
+  return {{0.0, 0.0, band.z_min},
+          {band.resolution, band.resolution, layer_height},
+          LayerRange{0, layers - 1}};
+}
+
+void append(const ScanRays& part, ScanRays& all) {
+  all.starts.insert(all.starts.end(), part.starts.begin(), part.starts.end());
+  all.ends.insert(all.ends.end(), part.ends.begin(), part.ends.end());
+  all.is_hit.insert(all.is_hit.end(), part.is_hit.begin(), part.is_hit.end());
 }
 
 }  // namespace
@@ -39,43 +58,57 @@ class BandMapper::Impl {
   Impl(const FloorMap& floor, const GridBand& band, const BandBelief& belief)
       : floor_(floor),
         band_((require_valid(band), band)),
-        margin_(belief.free_margin),
-        layer_height_((band.z_max - band.z_min) / layers_of(band)),
-        voxels_(layers_of(band), belief.log_odds) {}
+        belief_(belief),
+        voxels_(geometry_of(band), {belief.log_odds}) {}
 
   void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool) {
-    const Rigid3 level_from_lidar = level_from_map * scan.map_from_lidar;
-    const std::size_t rays = scan.points.size();
-    std::vector<BandScan> parts((rays + rays_per_part - 1) / rays_per_part);
+    const ScanRays straight = occupancy::rays_of(scan, level_from_map * scan.map_from_lidar, 0.0);
+    const std::size_t rays = straight.starts.size();
+    std::vector<ScanRays> parts((rays + rays_per_part - 1) / rays_per_part);
     pool.for_each_chunk(parts.size(), [&](std::size_t part) {
       const std::size_t end = std::min(rays, (part + 1) * rays_per_part);
+      parts[part].offset = straight.offset;
       for (std::size_t i = part * rays_per_part; i < end; ++i) {
-        add_ray(level_from_lidar * scan.origins[i].cast<double>(),
-                level_from_lidar * scan.points[i].cast<double>(),
-                parts[part]);
+        bend(straight, i, parts[part]);
       }
     });
-    voxels_.add(parts, pool);
+    ScanRays bent;
+    bent.offset = straight.offset;
+    for (const ScanRays& part : parts) append(part, bent);
+    voxels_.add(bent.view(), pool);
   }
 
-  GridMap grid(const ColumnRule& rule) const { return voxels_.grid(band_.resolution, rule); }
+  GridMap grid(const ColumnRule& rule) const { return project_columns(voxels_, rule); }
 
  private:
-  void add_ray(const Eigen::Vector3d& start, const Eigen::Vector3d& end, BandScan& part) const {
+  /// The free part of a ray as pieces that are no hits, its end as a hit without a way to it.
+  void bend(const ScanRays& rays, std::size_t i, ScanRays& bent) const {
+    const Eigen::Vector3d start = rays.offset + rays.starts[i].cast<double>();
+    const Eigen::Vector3d end = rays.offset + rays.ends[i].cast<double>();
     const double range = (end - start).norm();
     if (!(range > 0.0)) return;
-    const bool in_reach = range <= band_.max_range;
-    if (in_reach)
-      part.hits.push_back(in_band({end.x(), end.y(), end.z() - floor_.height(end.x(), end.y())}));
-    const double free = in_reach ? range - margin_ : band_.max_range;
-    if (free <= 0.0) return;
+    if (range <= band_.max_range) {
+      const Eigen::Vector3d hit(end.x(), end.y(), end.z() - floor_.height(end.x(), end.y()));
+      if (hit.z() >= band_.z_min && hit.z() < band_.z_max) push(hit, hit, 1, bent);
+    }
+    const double free = std::min(range - belief_.free_margin, band_.max_range);
+    if (!(free > 0.0)) return;
     const Eigen::Vector3d last = start + free / range * (end - start);
     if (!may_meet_band(start, last)) return;
     thread_local std::vector<Eigen::Vector3d> corners;
     bend_ray(start, last, floor_, corners);
-    for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-      part.free.push_back({in_band(corners[i]), in_band(corners[i + 1])});
+    for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
+      push(corners[k], corners[k + 1], 0, bent);
     }
+  }
+
+  static void push(const Eigen::Vector3d& start,
+                   const Eigen::Vector3d& end,
+                   std::uint8_t is_hit,
+                   ScanRays& rays) {
+    rays.starts.emplace_back((start - rays.offset).cast<float>());
+    rays.ends.emplace_back((end - rays.offset).cast<float>());
+    rays.is_hit.push_back(is_hit);
   }
 
   /// False only if the ray is above or below the band wherever the floor may be.
@@ -84,17 +117,10 @@ class BandMapper::Impl {
     return high >= floor_.lowest() + band_.z_min && low <= floor_.highest() + band_.z_max;
   }
 
-  Eigen::Vector3d in_band(const Eigen::Vector3d& above_floor) const {
-    return {above_floor.x() / band_.resolution,
-            above_floor.y() / band_.resolution,
-            (above_floor.z() - band_.z_min) / layer_height_};
-  }
-
   FloorMap floor_;
   GridBand band_;
-  double margin_;
-  double layer_height_;
-  BandVoxels voxels_;
+  BandBelief belief_;
+  OccupancyMap voxels_;
 };
 
 BandMapper::BandMapper(const FloorMap& floor, const GridBand& band, const BandBelief& belief)

@@ -61,22 +61,15 @@ void require_valid(const ColumnRule& rule) {
   require_between("min_seen", rule.min_seen, 0.0, 1.0);
 }
 
-GridCell judge_column(std::span<const float> probabilities, const ColumnRule& rule) {
-  std::size_t seen = 0;
-  std::size_t free = 0;
-  float highest = 0.0F;
-  for (const float probability : probabilities) {
-    if (std::isnan(probability)) continue;
-    ++seen;
-    highest = std::max(highest, probability);
-    free += static_cast<double>(probability) < rule.threshold ? 1 : 0;
+GridCell judge_column(const ColumnCounts& column, int layers, const ColumnRule& rule) {
+  if (column.seen == 0) return {};
+  if (static_cast<double>(column.highest) > rule.threshold) {
+    return {CellState::occupied, column.highest};
   }
-  if (seen == 0) return {};
-  if (static_cast<double>(highest) > rule.threshold) return {CellState::occupied, highest};
-  const auto share = static_cast<double>(seen) / static_cast<double>(probabilities.size());
-  const bool enough = share >= rule.min_seen && free > 0 &&
-                      static_cast<double>(free) >= rule.min_free * static_cast<double>(seen);
-  return {enough ? CellState::free : CellState::unknown, highest};
+  const double share = static_cast<double>(column.seen) / layers;
+  const bool enough =
+      share >= rule.min_seen && column.free > 0 && column.free >= rule.min_free * column.seen;
+  return {enough ? CellState::free : CellState::unknown, column.highest};
 }
 
 std::size_t remove_small_groups(int least, GridMap& map) {

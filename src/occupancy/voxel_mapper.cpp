@@ -14,8 +14,7 @@ VoxelMapper::VoxelMapper(const OccupancyGeometry& geometry, const VoxelMapperOpt
 OccupancyUpdate VoxelMapper::add(const PlacedScan& scan, ThreadPool& pool) {
   occupancy::ScanRays rays =
       occupancy::rays_of(scan, scan.map_from_lidar, options_.no_return_range);
-  rays.margins =
-      grazing_margins(rays.view(), map_.geometry().voxel_size, options_.grazing, pool);
+  rays.margins = grazing_margins(rays.view(), map_.geometry().voxel_size, options_.grazing, pool);
   return map_.add(rays.view(), pool);
 }
 

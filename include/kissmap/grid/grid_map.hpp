@@ -51,9 +51,16 @@ struct ColumnRule {
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const ColumnRule& rule);
 
-/// Occupied if any voxel is; free if enough of the band was seen, at least one voxel, and enough of
-/// that is free; unknown otherwise. `probabilities` of the band's voxels, NaN where not seen.
-GridCell judge_column(std::span<const float> probabilities, const ColumnRule& rule);
+/// The voxels of a column that were seen.
+struct ColumnCounts {
+  std::int32_t seen = 0;
+  std::int32_t free = 0;  ///< below the threshold of the rule
+  float highest = 0.0F;   ///< probability
+};
+
+/// Occupied if any voxel is; free if enough of the band's `layers` was seen, at least one voxel,
+/// and enough of that is free; unknown otherwise.
+GridCell judge_column(const ColumnCounts& column, int layers, const ColumnRule& rule);
 
 /// Takes groups of fewer than `least` occupied cells (8 neighbours) for what most of the cells
 /// around them are. Returns how many cells were changed.

@@ -11,7 +11,6 @@
 namespace kissmap {
 namespace {
 
-const float unseen = std::nanf("");
 
 /// '#' occupied, '.' free, ' ' unknown; the first row is the highest y.
 GridMap map_of(const std::vector<std::string>& rows) {
@@ -45,26 +44,24 @@ std::vector<std::string> rows_of(const GridMap& map) {
 using Rows = std::vector<std::string>;
 
 TEST(ColumnRule, OneOccupiedVoxelDecides) {
-  const std::vector<float> column = {0.1F, unseen, 0.8F, 0.1F, 0.1F};
-  EXPECT_EQ(judge_column(column, {}), (GridCell{CellState::occupied, 0.8F}));
+  EXPECT_EQ(judge_column({4, 3, 0.8F}, 5, {}), (GridCell{CellState::occupied, 0.8F}));
 }
 
 TEST(ColumnRule, AnUnseenVoxelHidesNoFreeColumn) {
-  const std::vector<float> column = {0.1F, unseen, 0.3F, unseen};
-  EXPECT_EQ(judge_column(column, {}), (GridCell{CellState::free, 0.3F}));
-  EXPECT_EQ(judge_column(column, {0.5, 0.5, 0.6}).state, CellState::unknown) << "half is seen";
-  EXPECT_EQ(judge_column(column, {0.5, 0.5, 0.5}).state, CellState::free);
+  const ColumnCounts column{2, 2, 0.3F};
+  EXPECT_EQ(judge_column(column, 4, {}), (GridCell{CellState::free, 0.3F}));
+  EXPECT_EQ(judge_column(column, 4, {0.5, 0.5, 0.6}).state, CellState::unknown) << "half is seen";
+  EXPECT_EQ(judge_column(column, 4, {0.5, 0.5, 0.5}).state, CellState::free);
 }
 
 TEST(ColumnRule, NothingSeenIsUnknown) {
-  EXPECT_EQ(judge_column(std::vector<float>{unseen, unseen}, {}), GridCell{});
-  EXPECT_EQ(judge_column({}, {}), GridCell{});
+  EXPECT_EQ(judge_column({}, 2, {}), GridCell{});
 }
 
 TEST(ColumnRule, UndecidedVoxelsAreNotFree) {
-  const std::vector<float> column = {0.5F, 0.5F, 0.1F};
-  EXPECT_EQ(judge_column(column, {}).state, CellState::unknown) << "a third is free";
-  EXPECT_EQ(judge_column(column, {0.5, 0.3, 0.0}).state, CellState::free);
+  const ColumnCounts column{3, 1, 0.5F};
+  EXPECT_EQ(judge_column(column, 3, {}).state, CellState::unknown) << "a third is free";
+  EXPECT_EQ(judge_column(column, 3, {0.5, 0.3, 0.0}).state, CellState::free);
 }
 
 TEST(ColumnRule, ImpossibleSharesAreRefused) {
