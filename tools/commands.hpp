@@ -22,6 +22,7 @@ struct RunCommand {
   int threads = 0;
   bool pack = false;
   bool no_loop_closing = false;
+  bool no_products = false;
   bool overwrite = false;
   bool quiet = false;
 };
@@ -111,6 +112,15 @@ struct ExportCloudCommand {
   bool quiet = false;
 };
 void export_cloud(const ExportCloudCommand& command);
+
+/// The default products of a session: what `kissmap run` writes into SESSION/products.
+struct ProductsCommand {
+  std::filesystem::path session;
+  std::filesystem::path log;
+  int threads = 0;
+  bool quiet = false;
+};
+void write_products(const ProductsCommand& command);
 
 void list_formats();
 void print_default_configuration();

@@ -5,10 +5,9 @@
 
 namespace kissmap {
 
-/// Declares what every export of a session takes, however it is made: --log, --threads,
-/// --overwrite and --quiet.
+/// Declares what all that is made of a session takes: --log, --threads and --quiet.
 template <typename Command>
-void declare_how(CLI::App& command, Command& c, const char* what_is_replaced) {
+void declare_how_computed(CLI::App& command, Command& c) {
   command.add_option("--log", c.log, "where the log is now, if it moved")->type_name("PATH");
   command
       .add_option("--threads",
@@ -16,8 +15,14 @@ void declare_how(CLI::App& command, Command& c, const char* what_is_replaced) {
                   "threads for computing (0: one a processor); the result is the same for any")
       ->type_name("N")
       ->check(CLI::Range(0, 1024));
-  command.add_flag("--overwrite", c.overwrite, what_is_replaced);
   command.add_flag("--quiet", c.quiet, "print errors only");
+}
+
+/// Declares what every export takes, however it is made: that, and --overwrite.
+template <typename Command>
+void declare_how(CLI::App& command, Command& c, const char* what_is_replaced) {
+  declare_how_computed(command, c);
+  command.add_flag("--overwrite", c.overwrite, what_is_replaced);
 }
 
 }  // namespace kissmap

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "commands.hpp"
+#include "export_options.hpp"
 #include "kissmap/error.hpp"
-#include "kissmap/formats/cloud_export.hpp"
 #include "paths.hpp"
 #include "progress.hpp"
 #include "report.hpp"
@@ -63,23 +63,6 @@ void apply_crop(const ExportCloudCommand& command, CropRegion& crop) {
   if (command.z_max) crop.z_max = *command.z_max;
 }
 
-CloudExportOptions options_of(const ExportCloudCommand& command, const Session& session) {
-  const Configuration configuration = configuration_of_session(session.path);
-  CloudExportOptions options;
-  options.min_range = configuration.odometry.min_range;
-  options.max_range = configuration.odometry.max_range;
-  options.voxel_size = command.voxel_size.value_or(options.max_range / voxels_per_range);
-  apply_fields(command.fields, options);
-  apply_crop(command, options.crop);
-  options.fields.rgb = !command.colour.empty();
-  options.remove_outliers = command.remove_outliers;
-  options.compress = command.compress;
-  options.tile_size = command.tile_size;
-  options.overwrite = command.overwrite;
-  options.moved_log = command.log;
-  return options;
-}
-
 std::string list_of(const CloudFields& fields) {
   std::string list = "x y z";
   const auto add = [&list](bool there, const char* name) {
@@ -124,9 +107,26 @@ void report(const std::filesystem::path& output,
 
 }  // namespace
 
+CloudExportOptions cloud_options(const ExportCloudCommand& command, const Session& session) {
+  const Configuration configuration = configuration_of_session(session.path);
+  CloudExportOptions options;
+  options.min_range = configuration.odometry.min_range;
+  options.max_range = configuration.odometry.max_range;
+  options.voxel_size = command.voxel_size.value_or(options.max_range / voxels_per_range);
+  apply_fields(command.fields, options);
+  apply_crop(command, options.crop);
+  options.fields.rgb = !command.colour.empty();
+  options.remove_outliers = command.remove_outliers;
+  options.compress = command.compress;
+  options.tile_size = command.tile_size;
+  options.overwrite = command.overwrite;
+  options.moved_log = command.log;
+  return options;
+}
+
 void export_cloud(const ExportCloudCommand& command) {
   const Session session = read_session(command.session);
-  const CloudExportOptions options = options_of(command, session);
+  const CloudExportOptions options = cloud_options(command, session);
   require_outside(command.output, command.session, "the session");
   require_outside(
       command.output, command.log.empty() ? session.manifest.log.path : command.log, "the log");

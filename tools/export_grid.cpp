@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "commands.hpp"
+#include "export_options.hpp"
 #include "kissmap/error.hpp"
-#include "kissmap/formats/grid_export.hpp"
 #include "progress.hpp"
 #include "report.hpp"
 
@@ -28,7 +28,9 @@ std::filesystem::path stem_of(const std::filesystem::path& output) {
   return stem;
 }
 
-GridExportOptions options_of(const ExportGridCommand& command, const Session& session) {
+}  // namespace
+
+GridExportOptions grid_options(const ExportGridCommand& command, const Session& session) {
   const Configuration configuration = configuration_of_session(session.path);
   GridExportOptions options;
   options.min_range = configuration.odometry.min_range;
@@ -69,12 +71,10 @@ std::string describe(const ExportedGrid& grid) {
               with_commas(grid.scans).c_str());
 }
 
-}  // namespace
-
 void export_grid(const ExportGridCommand& command) {
   const std::filesystem::path stem = stem_of(command.output);
   const Session session = read_session(command.session);
-  const GridExportOptions options = options_of(command, session);
+  const GridExportOptions options = grid_options(command, session);
   ProgressLine line(!command.quiet);
   ThreadPool pool(command.threads);
   const GridExportSummary summary = export_grid(

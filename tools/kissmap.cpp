@@ -10,6 +10,7 @@
 #include "declare_eval.hpp"
 #include "declare_export_cloud.hpp"
 #include "declare_export_grid.hpp"
+#include "declare_how.hpp"
 #include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
@@ -26,6 +27,7 @@ struct Commands {
   RunCommand run;
   InfoCommand info;
   PackCommand pack;
+  ProductsCommand products;
   OptimizeCommand optimize;
   ExportGridCommand export_grid;
   EvalCommand eval;
@@ -69,6 +71,8 @@ void declare_run(CLI::App& app, Commands& commands) {
       ->check(CLI::Range(0, 1024));
   command->add_flag("--no-loop-closing", c.no_loop_closing, "pure odometry: leave drift as it is");
   command->add_flag("--pack", c.pack, "store the scans in the session, so that it travels alone");
+  command->add_flag(
+      "--no-products", c.no_products, "write no cloud, voxels and grid into SESSION/products");
   command->add_flag("--overwrite", c.overwrite, "replace SESSION if it is a session");
   command->add_flag("--quiet", c.quiet, "print errors only");
   c.configuration.add_to(*command);
@@ -91,6 +95,12 @@ void declare_others(CLI::App& app, Commands& commands) {
   pack_command->add_option("--log", commands.pack.log, "where the log is now, if it moved")
       ->type_name("PATH");
   commands.action[pack_command] = [&c = commands.pack] { pack(c); };
+
+  CLI::App* products = app.add_subcommand(
+      "products", "Write the default products of a session anew: cloud, voxels and grid");
+  products->add_option("SESSION", commands.products.session, "session folder")->required();
+  declare_how_computed(*products, commands.products);
+  commands.action[products] = [&c = commands.products] { write_products(c); };
 
   commands.action[&declare_optimize(app, commands.optimize)] = [&c = commands.optimize] {
     optimize(c);

@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/graph_edits.hpp"
+#include "kissmap/formats/product_folder.hpp"
 #include "kissmap/formats/session_update.hpp"
 #include "kissmap/loop_closing/loop_editor.hpp"
 #include "paths.hpp"
@@ -124,30 +125,34 @@ std::string describe_edits(const std::vector<Closure>& closures) {
   return lines;
 }
 
-void report_motion(const SessionEvidence& session, const LoopCorrection& correction) {
-  double farthest = 0.0;
-  double sum = 0.0;
+struct Motion {
+  double mean = 0.0;      ///< m
+  double farthest = 0.0;  ///< m
+};
+
+Motion motion_of(const SessionEvidence& session, const SessionUpdate& update) {
+  Motion motion;
+  if (!update.correction || session.scans.empty()) return motion;
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
-    const double distance = (session.scans[i].mapped.map_from_lidar.translation -
-                             correction.map_from_lidar[i].translation)
-                                .norm();
-    farthest = std::max(farthest, distance);
-    sum += distance;
+    const Rigid3& before = session.scans[i].mapped.map_from_lidar;
+    const Rigid3& after = update.correction->map_from_lidar[i];
+    const double distance = (before.translation - after.translation).norm();
+    motion.farthest = std::max(motion.farthest, distance);
+    motion.mean += distance / static_cast<double>(session.scans.size());
   }
-  std::printf("  moved       scans by %.3f m on average, %.3f m at most\n",
-              session.scans.empty() ? 0.0 : sum / static_cast<double>(session.scans.size()),
-              farthest);
+  return motion;
 }
 
-void report(const SessionEvidence& session,
-            const SessionUpdate& update,
+void report(const SessionUpdate& update,
+            const Motion& motion,
             const std::filesystem::path& written,
             double seconds) {
   std::printf("%s\n", written.c_str());
   if (update.correction) {
     std::fputs(describe_loops(update.correction->closures).c_str(), stdout);
     std::fputs(describe_edits(update.correction->closures).c_str(), stdout);
-    report_motion(session, *update.correction);
+    std::printf(
+        "  moved       scans by %.3f m on average, %.3f m at most\n", motion.mean, motion.farthest);
   } else {
     std::printf("  loops       left open, as by --no-loop-closing; edits may add closures\n");
   }
@@ -166,16 +171,24 @@ void optimize_session(const OptimizeCommand& command) {
   const SessionEvidence session = read_session_evidence(command.input);
   require_output(command, session);
   const SessionUpdate update = make_update(session, edits_for(command, session));
+  const Motion motion = motion_of(session, update);
+  bool products_removed = false;
   if (command.output.empty()) {
+    if (motion.farthest > 0.0) products_removed = remove_products(command.input);
     update_session(session, update);
   } else {
     copy_session(session, update, command.output, command.overwrite);
   }
   if (command.quiet) return;
-  report(session,
-         update,
+  report(update,
+         motion,
          command.output.empty() ? command.input : command.output,
          std::chrono::duration<double>(Clock::now() - begin).count());
+  if (products_removed) {
+    std::printf(
+        "  products    removed, they showed the map of before; make them anew with "
+        "'kissmap products'\n");
+  }
 }
 
 }  // namespace kissmap

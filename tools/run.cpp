@@ -115,6 +115,15 @@ void write_session(const RunCommand& command,
   }
 }
 
+void write_products(const RunCommand& command) try {
+  write_products(ProductsCommand{command.session, {}, command.threads, command.quiet});
+} catch (const Error& error) {
+  throw Error(error.fault(),
+              std::string(error.what()) +
+                  "\n  the session is finished, only its products are "
+                  "missing: 'kissmap products' makes them");
+}
+
 }  // namespace
 
 void run(const RunCommand& command) {
@@ -135,6 +144,7 @@ void run(const RunCommand& command) {
                 std::string(error.what()) + "\n  what was written so far is in " +
                     session.partial_path().string());
   }
+  if (!command.no_products) write_products(command);
 }
 
 }  // namespace kissmap

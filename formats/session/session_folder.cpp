@@ -63,10 +63,22 @@ bool is_local_map_file(const fs::directory_entry& entry) {
          digits.size() >= 6 && digits.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+bool is_product_file(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  const auto begins = [&name](const char* known) { return name.starts_with(known); };
+  return entry.symlink_status().type() == fs::file_type::regular &&
+         std::ranges::any_of(std::array{"cloud.", "voxels.", "grid.", "grid_"}, begins);
+}
+
 bool is_inner_folder(const fs::directory_entry& entry) {
   const fs::path name = entry.path().filename();
-  return (name == local_maps_folder_name || name == staging_folder_name) &&
-         entry.symlink_status().type() == fs::file_type::directory;
+  const auto same = [&name](const char* known) { return name == known; };
+  return entry.symlink_status().type() == fs::file_type::directory &&
+         std::ranges::any_of(std::array{local_maps_folder_name,
+                                        staging_folder_name,
+                                        products_folder_name,
+                                        products_staging_name},
+                             same);
 }
 
 template <typename Known>
@@ -85,6 +97,10 @@ std::string find_foreign_name(const fs::path& folder) {
   if (std::string name = first_not(known, folder); !name.empty()) return name;
   const std::string map = first_not(is_local_map_file, folder / local_maps_folder_name);
   if (!map.empty()) return (fs::path(local_maps_folder_name) / map).string();
+  for (const char* products : {products_folder_name, products_staging_name}) {
+    const std::string file = first_not(is_product_file, folder / products);
+    if (!file.empty()) return (fs::path(products) / file).string();
+  }
   if (!is_there(folder / staging_folder_name)) return {};
   std::string staged = find_foreign_name(folder / staging_folder_name);
   return staged.empty() ? staged : (fs::path(staging_folder_name) / staged).string();

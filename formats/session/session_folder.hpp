@@ -35,6 +35,9 @@ inline constexpr std::array derived_file_names = {edits_file_name,
                                                   picture_file_name};
 /// Folder in which `kissmap optimize` gets ready what it will put in place.
 inline constexpr const char* staging_folder_name = "optimize.partial";
+/// Folder of the default products, and the one in which they are got ready.
+inline constexpr const char* products_folder_name = "products";
+inline constexpr const char* products_staging_name = "products.partial";
 
 /// Ends the message about a session that is damaged.
 inline constexpr const char* damaged_session_cure =

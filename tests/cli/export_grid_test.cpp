@@ -29,8 +29,12 @@ class ExportGrid : public testing::Test {
   static void SetUpTestSuite() {
     shared_ = new TempDir;
     write_yard_log(shared_->path() / "log", 40);
-    const ProgramResult result =
-        kissmap({"run", shared_->path() / "log", "-o", shared_->path() / "session", "--quiet"});
+    const ProgramResult result = kissmap({"run",
+                                          "--no-products",
+                                          shared_->path() / "log",
+                                          "-o",
+                                          shared_->path() / "session",
+                                          "--quiet"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
   static void TearDownTestSuite() {

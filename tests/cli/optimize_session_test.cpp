@@ -34,7 +34,7 @@ class OptimizeSession : public testing::Test {
   void make_session(std::vector<std::string> more = {}) {
     write_yard_log(path("log"));
     std::vector<std::string> arguments{
-        "run", path("log"), "-o", path("original"), "--splitting-distance", "10"};
+        "run", "--no-products", path("log"), "-o", path("original"), "--splitting-distance", "10"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ProgramResult result = kissmap(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -117,7 +117,8 @@ TEST_F(OptimizeSession, WithoutEditsReproducesEveryByteOfTheRun) {
   ASSERT_EQ(copied.exit_code, 0) << copied.err;
   EXPECT_EQ(copied.out, "");
   EXPECT_THAT(differing(original_, content("copy")), IsEmpty());
-  ASSERT_EQ(kissmap({"run", path("copy"), "-o", path("again")}).exit_code, 0) << "packed";
+  ASSERT_EQ(kissmap({"run", "--no-products", path("copy"), "-o", path("again")}).exit_code, 0)
+      << "packed";
   const ProgramResult over_its_log =
       kissmap({"optimize", path("again"), "-o", path("copy"), "--overwrite"});
   EXPECT_EQ(over_its_log.exit_code, 2);
@@ -379,6 +380,21 @@ TEST_F(OptimizeSession, LoopsLeftOpenCanBeClosedByHand) {
   EXPECT_TRUE(fs::exists(path("session/poses.csv")));
   ASSERT_EQ(optimize({"--edits", edits("")}).exit_code, 0);
   EXPECT_THAT(differing(original_, content()), IsEmpty());
+}
+
+TEST_F(OptimizeSession, ProductsOfThePosesBeforeAreRemoved) {
+  make_session();
+  ASSERT_EQ(kissmap({"products", path("session"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(optimize().exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("session") / "products")) << "nothing moved";
+  const ProgramResult to_other = optimize({"-o", path("other")});
+  EXPECT_FALSE(fs::exists(path("other") / "products"));
+  EXPECT_TRUE(fs::exists(path("session") / "products"));
+  const ProgramResult moved =
+      optimize({"--edits", edits("remove " + candidate("accepted").pair() + "\n")});
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  EXPECT_THAT(moved.out, HasSubstr("kissmap products"));
+  EXPECT_FALSE(fs::exists(path("session") / "products"));
 }
 
 TEST_F(OptimizeSession, InfoListsClosures) {

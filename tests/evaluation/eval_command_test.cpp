@@ -156,8 +156,8 @@ TEST_F(EvalCommandLine, ACalibrationMovesTheEstimateToTheCamera) {
 
 TEST_F(EvalCommandLine, ASessionIsItsTrajectory) {
   write_small_log(path("log"), 12);
-  const ProgramResult made =
-      run_program({KISSMAP_BINARY, "run", path("log"), "-o", path("session"), "--quiet"});
+  const ProgramResult made = run_program(
+      {KISSMAP_BINARY, "run", "--no-products", path("log"), "-o", path("session"), "--quiet"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const Json json = json_of({path("session"),
                              "--reference",
