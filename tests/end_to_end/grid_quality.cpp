@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "end_to_end/grid_quality.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -86,6 +87,37 @@ bool GridJudge::near_occupied(int x, int y, int reach) const {
   return false;
 }
 
+bool GridJudge::is_seen_wall(int x, int y) const {
+  const std::size_t i = map_.index(x, y);
+  const auto wall = static_cast<unsigned>(simulator::ObjectClass::wall);
+  return ((truth_.classes[i] & returns_[i]) >> wall & 1U) != 0;
+}
+
+int GridJudge::widest_wall_gap(int reach) const {
+  GridMap missed = map_;
+  for (int y = 0; y < map_.height; ++y) {
+    for (int x = 0; x < map_.width; ++x) {
+      const bool hidden = is_seen_wall(x, y) && !near_occupied(x, y, reach);
+      missed.at(x, y).state = hidden ? CellState::occupied : CellState::free;
+    }
+  }
+  int widest = 0;
+  for (int y = 0; y < map_.height; ++y) {
+    for (int x = 0; x < map_.width; ++x) {
+      int along_x = 0;
+      int along_y = 0;
+      while (x + along_x < map_.width && missed.at(x + along_x, y).state == CellState::occupied) {
+        ++along_x;
+      }
+      while (y + along_y < map_.height && missed.at(x, y + along_y).state == CellState::occupied) {
+        ++along_y;
+      }
+      widest = std::max({widest, along_x, along_y});
+    }
+  }
+  return widest;
+}
+
 GridQuality GridJudge::judge(int reach) const {
   std::size_t occupied = 0;
   std::size_t right = 0;
@@ -125,6 +157,7 @@ GridQuality GridJudge::judge(int reach) const {
   for (std::size_t c = 0; c < seen_of.size(); ++c) {
     quality.class_recall[c] = share(found_of[c], seen_of[c]);
   }
+  quality.widest_wall_gap = widest_wall_gap(reach);
   return quality;
 }
 

@@ -17,6 +17,11 @@ struct GridQuality {
   double recall = 0.0;     ///< of the plan's cells in which a return fell, those found
   std::array<double, simulator::object_classes> class_recall{};
   double free_recall = 0.0;  ///< of the empty cells that a ray crossed in the band, those free
+  int widest_wall_gap = 0;   ///< cells along x or y, of walls in which returns fell, none found
+
+  double recall_of(simulator::ObjectClass object_class) const {
+    return class_recall[static_cast<std::size_t>(object_class)];
+  }
 };
 
 /// Judges a map in the world's frame against the exact plan of a simulated world.
@@ -36,6 +41,8 @@ class GridJudge {
  private:
   bool near_solid(int x, int y, int reach) const;
   bool near_occupied(int x, int y, int reach) const;
+  bool is_seen_wall(int x, int y) const;
+  int widest_wall_gap(int reach) const;
 
   const simulator::Simulator& simulator_;
   simulator::FloorBand band_;

@@ -77,7 +77,7 @@ void expect_plan(const GridQuality& quality) {
   // Roofs and bonnets of cars, seen at a grazing angle and through each other, are found worse.
   for (const ObjectClass c :
        {ObjectClass::wall, ObjectClass::pillar, ObjectClass::building, ObjectClass::pole}) {
-    const double recall = quality.class_recall[static_cast<std::size_t>(c)];
+    const double recall = quality.recall_of(c);
     if (!std::isnan(recall)) {
       EXPECT_GE(recall, 0.95) << simulator::name(c);
     }

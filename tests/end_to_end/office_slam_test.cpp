@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// From a recorded log to a map a robot finds itself on, with nothing but the program: a simulated
+// office, `kissmap run`, `kissmap export-grid`, read back as map servers do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "end_to_end/office_quality.hpp"
+#include "end_to_end/office_robot.hpp"
+#include "kissmap/formats/session.hpp"
+#include "simulator/log_folder.hpp"
+#include "simulator/scenario.hpp"
+#include "support/map_loader_rules.hpp"
+#include "support/program.hpp"
+#include "support/temp_dir.hpp"
+#ifdef KISSMAP_HAS_MRPT
+#include "clients/mrpt_client.hpp"
+#endif
+
+namespace kissmap {
+namespace {
+
+namespace fs = std::filesystem;
+using simulator::Simulator;
+
+const GridBand navigation{0.1, 1.8, 0.05, 100.0};
+const GridBand localization{0.1, 0.2, 0.05, 100.0};
+constexpr int reach = 2;  // cells
+
+/// The motion in the plane that brings one set of places onto another with the least squares.
+Pose2 aligned(const std::vector<Eigen::Vector2d>& from, const std::vector<Eigen::Vector2d>& to) {
+  Eigen::Vector2d from_mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to_mean = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    from_mean += from[i] / static_cast<double>(from.size());
+    to_mean += to[i] / static_cast<double>(from.size());
+  }
+  double along = 0.0;
+  double across = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Eigen::Vector2d a = from[i] - from_mean;
+    const Eigen::Vector2d b = to[i] - to_mean;
+    along += a.dot(b);
+    across += a.x() * b.y() - a.y() * b.x();
+  }
+  const double yaw = std::atan2(across, along);
+  const Eigen::Vector2d shift = to_mean - Eigen::Rotation2Dd(yaw) * from_mean;
+  return {shift.x(), shift.y(), yaw};
+}
+
+Pose2 world_from_level(const fs::path& path, const Simulator& simulator) {
+  const Session session = read_session(path);
+  const Rigid3 level = level_from_map(session);
+  std::vector<Eigen::Vector2d> found;
+  std::vector<Eigen::Vector2d> truth;
+  for (const SessionScan& scan : session.scans) {
+    found.emplace_back((level * scan.mapped.map_from_lidar.translation).head<2>());
+    truth.emplace_back(simulator.map_from_lidar(scan.mapped.pose_stamp_ns).translation.head<2>());
+  }
+  return aligned(found, truth);
+}
+
+/// A map turned into the world, each cell by the one its middle falls into.
+GridMap in_world(const OccupancyPlan& plan, const Pose2& world_from_plan) {
+  GridMap map;
+  map.resolution = plan.resolution;
+  map.corner = {-2.0, -2.0};
+  map.width = static_cast<int>(44.0 / map.resolution);
+  map.height = static_cast<int>(29.0 / map.resolution);
+  const Pose2 plan_from_world = world_from_plan.inverse();
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      const Eigen::Vector2d middle =
+          map.corner + Eigen::Vector2d(x + 0.5, y + 0.5) * map.resolution;
+      const Pose2 place = plan_from_world * Pose2{middle.x(), middle.y(), 0.0};
+      const Eigen::Vector2d cell =
+          (Eigen::Vector2d(place.x, place.y) - plan.origin) / plan.resolution;
+      const auto column = static_cast<int>(std::floor(cell.x()));
+      const auto row = static_cast<int>(std::floor(cell.y()));
+      GridCell& made = map.cells.emplace_back();
+      if (!plan.contains(column, row)) continue;
+      const PlanCell state = plan.cells[plan.index(column, row)];
+      made.state = state == PlanCell::occupied ? CellState::occupied
+                   : state == PlanCell::free   ? CellState::free
+                                               : CellState::unknown;
+    }
+  }
+  return map;
+}
+
+class OfficeBySlam : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempDir;
+    simulator_ =
+        new Simulator(simulator::make_simulator({"office", "spinning32", "robot", 1, 0, 400, 1.0}));
+    write_log_folder(*simulator_, path("log"), 2, [](std::size_t) {});
+    run({"run", path("log") / "scans", "-o", path("session"), "--quiet"});
+    run({"export-grid", path("session"), "-o", path("laser"), "--for", "localization", "--quiet"});
+    world_from_map_ = world_from_level(path("session"), *simulator_);
+  }
+  static void TearDownTestSuite() {
+    delete simulator_;
+    delete folder_;
+  }
+
+  static fs::path path(const std::string& name) { return folder_->path() / name; }
+  static fs::path navigation_map() { return path("session") / "products" / "grid.yaml"; }
+  static fs::path laser_map() { return path("laser.yaml"); }
+  static OccupancyPlan loaded(const fs::path& yaml) {
+    return as_amcl_sees(load_map(yaml, MapLoader::nav2));
+  }
+  static void run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), KISSMAP_BINARY);
+    const ProgramResult result = run_program(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+
+  inline static TempDir* folder_ = nullptr;
+  inline static Simulator* simulator_ = nullptr;
+  inline static Pose2 world_from_map_;
+};
+
+TEST_F(OfficeBySlam, IsThePlanWithinTwoCells) {
+  const std::vector<GridMap> maps = {in_world(loaded(navigation_map()), world_from_map_),
+                                     in_world(loaded(laser_map()), world_from_map_)};
+  EXPECT_EQ(maps[0].resolution, 0.05) << "indoors by itself";
+  const std::vector<GridQuality> found =
+      judge_office(*simulator_, {navigation, localization}, maps, reach);
+  const LaserRobotInTheOffice robot;
+  {
+    SCOPED_TRACE("navigation");
+    expect_office_plan(found[0]);
+    expect_doors_as_they_are(robot.office(), maps[0]);
+  }
+  {
+    SCOPED_TRACE("localization");
+    expect_office_plan(found[1]);
+    expect_doors_as_they_are(robot.office(), maps[1]);
+  }
+}
+
+TEST_F(OfficeBySlam, LocalisesARobotAsThePlanDoes) {
+  const LaserRobotInTheOffice robot;
+  const Localised by_plan =
+      robot.localise(robot.exact_plan(localization.z_min, localization.z_max));
+  const Localised by_map = robot.localise(loaded(laser_map()), world_from_map_);
+  ASSERT_GE(by_plan.converged, 9);
+  EXPECT_GE(by_map.converged, by_plan.converged - 1);
+  EXPECT_LE(by_map.rms, 1.2 * by_plan.rms);
+  RecordProperty("plan_rms_mm", static_cast<int>(1000.0 * by_plan.rms));
+  RecordProperty("map_rms_mm", static_cast<int>(1000.0 * by_map.rms));
+}
+
+#ifdef KISSMAP_HAS_MRPT
+TEST_F(OfficeBySlam, LocalisesMrpt) {
+  const LaserRobotInTheOffice robot;
+  LaserRobotOptions options;
+  options.height = 0.15;
+  std::vector<LaserStep> steps = robot.drive(options);
+  for (LaserStep& step : steps) {  // MRPT is told the truth in the frame of the map
+    step.world_from_robot = world_from_map_.inverse() * step.world_from_robot;
+  }
+  const Pose2& begin = steps.front().world_from_robot;
+  const Eigen::Vector2d place(begin.x, begin.y);
+  const Eigen::AlignedBox2d start(place - Eigen::Vector2d(1.5, 2.5),
+                                  place + Eigen::Vector2d(2.5, 1.5));
+  std::vector<double> errors = localise_with_mrpt(laser_map(), steps, options, start, path("mrpt"));
+  errors.erase(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
+  std::ranges::sort(errors);
+  EXPECT_LT(errors[errors.size() / 2], 0.1);
+}
+#endif
+
+}  // namespace
+}  // namespace kissmap
