@@ -4,9 +4,12 @@
 #include <utility>
 
 #include "kissmap/error.hpp"
+#include "kissmap/parallel/task_thread.hpp"
 
 namespace kissmap {
 namespace {
+
+constexpr std::size_t most_waiting = 16;  // scans or local maps, up to some megabytes each
 
 /// Keeps the books of a run.
 class Books {
@@ -102,10 +105,11 @@ MappedLog map_log(ScanLog& log,
                   const RunOutputs& outputs,
                   const std::function<void(const RunProgress&)>& progress) {
   Books books;
+  TaskThread beside(most_waiting);
   const auto write_map = [&](std::optional<LocalMap> closed) {
     if (!closed) return;
     outputs.session.add_local_map(*closed);
-    outputs.loops.add(std::move(*closed));
+    beside.add([&loops = outputs.loops, local_map = std::move(*closed)] { loops.add(local_map); });
     ++books.totals.local_maps;
   };
   StampWatch stamps(log);
@@ -130,6 +134,11 @@ MappedLog map_log(ScanLog& log,
     const auto& mapped = std::get<MappedScan>(step.scan);
     books.use(*entry, mapped, scan.stamp_is_index);
     outputs.session.add_scan({entry->index, mapped});
+    if (outputs.stretches != nullptr) {
+      beside.add([&stretches = *outputs.stretches, thinned = thinned_for_stretches(scan), mapped] {
+        stretches.add(thinned, mapped);
+      });
+    }
     write_map(std::move(step.closed));
     progress({books.totals.counts.scans_read,
               log.info().scan_count,
@@ -138,7 +147,8 @@ MappedLog map_log(ScanLog& log,
   }
   if (books.totals.counts.scans_used == 0) refuse_log(log, books.totals.counts);
   write_map(mapper.finish());
-  outputs.loops.finish();
+  beside.finish();
+  if (outputs.stretches != nullptr) outputs.stretches->finish();
   return books.finish();
 }
 

@@ -8,9 +8,10 @@
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/graph/trajectory_spread.hpp"
-#include "kissmap/loop_closing/loop_worker.hpp"
+#include "kissmap/loop_closing/loop_closer.hpp"
 #include "kissmap/mapping/mapper.hpp"
 #include "progress.hpp"
+#include "stretch_recorder.hpp"
 
 namespace kissmap {
 
@@ -23,11 +24,13 @@ struct MappedLog {
   std::vector<ScanPlace> places;  ///< of the scans used
 };
 
-/// What takes in the scans and local maps of a run as they come.
+/// What takes in the scans and local maps of a run as they come. Loops and stretches do so on a
+/// thread of their own; nothing they find reaches back into odometry.
 struct RunOutputs {
   SessionWriter& session;
-  LoopWorker& loops;
-  PackWriter* pack = nullptr;  ///< takes every entry of the log, if there is one
+  LoopCloser& loops;
+  StretchRecorder* stretches = nullptr;  ///< none where loops are left open
+  PackWriter* pack = nullptr;            ///< takes every entry of the log, if there is one
 };
 
 /// Feeds a log through the mapper and into the outputs. Throws Error(input), and writes no local

@@ -56,20 +56,20 @@ void report(const RunCommand& command,
   std::printf("  look at     %s\n", (command.session / "map.png").c_str());
 }
 
-/// The last part of a run: corrects what odometry found. Nothing if loops are left open.
-std::optional<LoopCorrection> close_loops(const std::vector<ScanPlace>& places,
-                                          const LoopClosingOptions& options,
-                                          LoopCloser& loops,
-                                          ProgressLine& line,
-                                          SessionWriter& session) {
-  if (!options.enabled) return std::nullopt;
+/// The last part of a run: corrects what odometry found.
+LoopCorrection close_loops(const std::vector<ScanPlace>& places,
+                           const StretchRecorder& stretches,
+                           LoopCloser& loops,
+                           ThreadPool& pool,
+                           ProgressLine& line) {
   loops.look_again([&line](int round, std::uint32_t done, std::uint32_t of) {
     line.show(text("second look for loops, round %d: %u/%u local maps", round + 1, done, of));
   });
+  line.show("fitting surfaces to each other");
+  LoopEvidence evidence = loops.evidence();
+  evidence.surfaces = stretches.link(correct_loops(places, evidence).map_from_lidar, pool);
   line.show("correcting the trajectory");
-  LoopCorrection correction = correct_loops(places, loops.evidence());
-  session.correct(correction);
-  return correction;
+  return correct_loops(places, evidence);
 }
 
 void write_session(const RunCommand& command,
@@ -92,9 +92,18 @@ void write_session(const RunCommand& command,
   {
     ProgressLine line(!command.quiet);
     const auto show = [&line](const RunProgress& progress) { line.show(progress); };
-    LoopWorker worker(loops);
-    mapped = map_log(log, mapper, {session, worker, pack ? &*pack : nullptr}, show);
-    correction = close_loops(mapped.places, configuration.loop_closing, loops, line, session);
+    std::optional<StretchRecorder> stretches;
+    if (configuration.loop_closing.enabled) {
+      stretches.emplace(folder, configuration.odometry.min_range, configuration.odometry.max_range);
+    }
+    mapped = map_log(log,
+                     mapper,
+                     {session, loops, stretches ? &*stretches : nullptr, pack ? &*pack : nullptr},
+                     show);
+    if (stretches) {
+      correction = close_loops(mapped.places, *stretches, loops, pool, line);
+      session.correct(*correction);
+    }
     seconds = line.seconds();
   }
   manifest.log.files = log.files();

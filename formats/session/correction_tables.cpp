@@ -49,6 +49,15 @@ std::string neighbors_header() {
          ",reference_scan,query_scan,extent";
 }
 
+/// Of the upper triangle of an information matrix, row by row.
+constexpr int information_columns = 21;
+
+std::string surfaces_header() {
+  std::string header = "reference_scan,query_scan," + pose_columns("reference_from_query");
+  for (int i = 0; i < information_columns; ++i) header += ",information_" + std::to_string(i);
+  return header;
+}
+
 std::string closure_row(const Closure& closure, const std::vector<std::int64_t>& stamps_ns) {
   const bool accepted = closure.verdict == ClosureVerdict::accepted;
   return RowText()
@@ -139,6 +148,42 @@ NeighborLink read_neighbor(TableReader& table, std::size_t local_maps) {
   return link;
 }
 
+SurfaceLink read_surface(TableReader& table, std::size_t scans) {
+  SurfaceLink link;
+  for (std::uint32_t* scan : {&link.reference_scan, &link.query_scan}) {
+    *scan = table.unsigned_integer_32();
+    if (*scan >= scans) throw table.error("is no scan of the session");
+  }
+  if (link.reference_scan >= link.query_scan) {
+    throw table.error("is not later than reference_scan");
+  }
+  link.reference_from_query = table.pose();
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      link.information(row, column) = table.number();
+      link.information(column, row) = link.information(row, column);
+    }
+  }
+  table.end_row();
+  return link;
+}
+
+void write_surfaces(const fs::path& session, const std::vector<SurfaceLink>& surfaces) {
+  OutputFile file(session / surfaces_file_name);
+  file.write(surfaces_header() + '\n');
+  for (const SurfaceLink& link : surfaces) {
+    RowText text;
+    text.number(std::uint64_t{link.reference_scan})
+        .number(std::uint64_t{link.query_scan})
+        .pose(link.reference_from_query);
+    for (int row = 0; row < 6; ++row) {
+      for (int column = row; column < 6; ++column) text.number(link.information(row, column));
+    }
+    file.write(text.line());
+  }
+  file.close();
+}
+
 void write_keyposes(const fs::path& session, const std::vector<Rigid3>& map_from_local_map) {
   OutputFile file(session / keyposes_file_name);
   file.write(keyposes_header() + '\n');
@@ -194,6 +239,7 @@ void write_correction(const fs::path& session,
   write_poses(session, log_indices, correction.map_from_lidar);
   write_closures(session, correction.closures, stamps_ns);
   write_neighbors(session, correction.neighbors);
+  write_surfaces(session, correction.surfaces);
   GraphFile graph{correction.graph, {}, true, {}};
   graph.ids.resize(correction.map_from_local_map.size());
   std::iota(graph.ids.begin(), graph.ids.end(), std::int64_t{0});
@@ -259,6 +305,14 @@ std::vector<NeighborLink> read_neighbors(const fs::path& session, std::size_t lo
   std::vector<NeighborLink> neighbors;
   while (table.next_row()) neighbors.push_back(read_neighbor(table, local_maps));
   return neighbors;
+}
+
+std::vector<SurfaceLink> read_surfaces(const fs::path& session, std::size_t scans) {
+  if (!fs::exists(session / surfaces_file_name)) return {};
+  TableReader table(session / surfaces_file_name, surfaces_header(), damaged_session_cure);
+  std::vector<SurfaceLink> surfaces;
+  while (table.next_row()) surfaces.push_back(read_surface(table, scans));
+  return surfaces;
 }
 
 }  // namespace kissmap

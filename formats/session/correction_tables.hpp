@@ -11,9 +11,9 @@
 
 namespace kissmap {
 
-// keyposes.csv, poses.csv, closures.csv, neighbors.csv and pose_graph.g2o of a session; columns in
-// FORMAT.md. They are there if the session was corrected. Reading throws Error(input) naming file,
-// line, column and cure, writing Error(output).
+// keyposes.csv, poses.csv, closures.csv, neighbors.csv, surfaces.csv and pose_graph.g2o of a
+// session; columns in FORMAT.md. They are there if the session was corrected. Reading throws
+// Error(input) naming file, line, column and cure, writing Error(output).
 
 /// Writes all of them. `stamps_ns` by local map: of its first scan's pose.
 void write_correction(const std::filesystem::path& session,
@@ -48,5 +48,8 @@ std::uint64_t count_measured(const std::vector<Closure>& closures);
 /// None if the session was not corrected.
 std::vector<NeighborLink> read_neighbors(const std::filesystem::path& session,
                                          std::size_t local_maps);
+
+/// None if the session was not corrected, or before there were any.
+std::vector<SurfaceLink> read_surfaces(const std::filesystem::path& session, std::size_t scans);
 
 }  // namespace kissmap

@@ -73,6 +73,7 @@ StoredManifest parse(const json& root, const std::filesystem::path& session) {
   stored.tables.local_maps = unsigned_field(root.at("tables"), "local_maps");
   stored.tables.closures = optional_count(root.at("tables"), "closures");
   stored.tables.neighbors = optional_count(root.at("tables"), "neighbors");
+  stored.tables.surfaces = optional_count(root.at("tables"), "surfaces");
   return stored;
 }
 
@@ -94,6 +95,7 @@ std::string manifest_text(const StoredManifest& stored) {
   root["tables"] = {{"scans", stored.tables.scans}, {"local_maps", stored.tables.local_maps}};
   if (stored.tables.closures) root["tables"]["closures"] = *stored.tables.closures;
   if (stored.tables.neighbors) root["tables"]["neighbors"] = *stored.tables.neighbors;
+  if (stored.tables.surfaces) root["tables"]["surfaces"] = *stored.tables.surfaces;
   return dump(root);
 }
 

@@ -17,6 +17,7 @@ struct TableSizes {
   // Of what the run measured, edits by hand apart. Sessions of before 'kissmap optimize' lack them.
   std::optional<std::uint64_t> closures;
   std::optional<std::uint64_t> neighbors;
+  std::optional<std::uint64_t> surfaces;
 };
 
 struct StoredManifest {

@@ -18,6 +18,7 @@ inline constexpr const char* keyposes_file_name = "keyposes.csv";
 inline constexpr const char* poses_file_name = "poses.csv";
 inline constexpr const char* closures_file_name = "closures.csv";
 inline constexpr const char* neighbors_file_name = "neighbors.csv";
+inline constexpr const char* surfaces_file_name = "surfaces.csv";
 inline constexpr const char* graph_file_name = "pose_graph.g2o";
 inline constexpr const char* tum_file_name = "trajectory.tum";
 inline constexpr const char* kitti_file_name = "trajectory_kitti.txt";
@@ -29,6 +30,7 @@ inline constexpr std::array derived_file_names = {edits_file_name,
                                                   poses_file_name,
                                                   closures_file_name,
                                                   neighbors_file_name,
+                                                  surfaces_file_name,
                                                   graph_file_name,
                                                   tum_file_name,
                                                   kitti_file_name,

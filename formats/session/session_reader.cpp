@@ -107,6 +107,9 @@ SessionEvidence read_session_evidence(const std::filesystem::path& path) {
   require_rows(loops.closures.size(), *stored.tables.closures, path / closures_file_name);
   loops.neighbors = read_neighbors(path, evidence.local_maps.size());
   require_rows(loops.neighbors.size(), *stored.tables.neighbors, path / neighbors_file_name);
+  loops.surfaces = read_surfaces(path, evidence.scans.size());
+  require_rows(
+      loops.surfaces.size(), stored.tables.surfaces.value_or(0), path / surfaces_file_name);
   if (std::filesystem::exists(path / edits_file_name)) evidence.edits = path / edits_file_name;
   return evidence;
 }

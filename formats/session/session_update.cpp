@@ -27,7 +27,8 @@ void require_complete(const SessionEvidence& session, const SessionUpdate& updat
       !update.correction || (kept.map_from_lidar.size() == session.scans.size() &&
                              kept.map_from_local_map.size() == session.local_maps.size());
   if (places_all && count_measured(kept.closures) == session.loops.closures.size() &&
-      kept.neighbors.size() == session.loops.neighbors.size()) {
+      kept.neighbors.size() == session.loops.neighbors.size() &&
+      kept.surfaces.size() == session.loops.surfaces.size()) {
     return;
   }
   throw Error(Fault::internal, "an update of a session must keep all that was measured");

@@ -97,6 +97,7 @@ class SessionWriter::Impl {
     write_correction(partial_, correction, log_indices_, first_stamps_ns_);
     sizes_.closures = count_measured(correction.closures);
     sizes_.neighbors = correction.neighbors.size();
+    sizes_.surfaces = correction.surfaces.size();
   }
 
   void finish(const SessionManifest& manifest) {
@@ -135,7 +136,7 @@ class SessionWriter::Impl {
   std::optional<FolderLock> lock_;  ///< until the session has its name
   OutputFile scans_;
   OutputFile local_maps_;
-  TableSizes sizes_{0, 0, 0, 0};
+  TableSizes sizes_{0, 0, 0, 0, 0};
   std::vector<std::int64_t> first_stamps_ns_;  ///< of the local maps, for correct()
   std::vector<std::uint64_t> log_indices_;     ///< of the scans, for correct()
   std::uint64_t last_log_index_ = 0;

@@ -148,7 +148,7 @@ PoseGraph LoopCloser::graph() const {
 }
 
 LoopEvidence LoopCloser::evidence() const {
-  return {odometry_keyposes_, path_lengths_, closures_, neighbors_};
+  return {odometry_keyposes_, path_lengths_, closures_, neighbors_, {}};
 }
 
 void LoopCloser::optimise() {

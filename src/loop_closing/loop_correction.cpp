@@ -58,6 +58,7 @@ LoopCorrection correct_loops(std::span<const ScanPlace> scans, const LoopEvidenc
   LoopCorrection corrected;
   corrected.closures = evidence.closures;
   corrected.neighbors = evidence.neighbors;
+  corrected.surfaces = evidence.surfaces;
   corrected.graph =
       keypose_graph(evidence.map_from_local_map, evidence.path_lengths, evidence.closures);
   PoseGraphSolution solution = optimize(corrected.graph, {});
@@ -69,8 +70,8 @@ LoopCorrection correct_loops(std::span<const ScanPlace> scans, const LoopEvidenc
       corrected.closures, std::back_inserter(accepted), [](const Closure& closure) {
         return closure.verdict == ClosureVerdict::accepted;
       });
-  RefinedTrajectory refined =
-      refine_trajectory(scans, corrected.graph.map_from_node, accepted, evidence.neighbors);
+  RefinedTrajectory refined = refine_trajectory(
+      scans, corrected.graph.map_from_node, accepted, evidence.neighbors, evidence.surfaces);
   corrected.map_from_lidar = std::move(refined.map_from_lidar);
   corrected.map_from_local_map = std::move(refined.map_from_local_map);
   return corrected;

@@ -31,11 +31,11 @@ struct Sums {
 };
 
 /// A share of the surfels, evenly picked.
-SurfelCloud sample(const SurfelCloud& surfels) {
-  if (surfels.size() <= max_samples) return surfels;
+SurfelCloud sample(const SurfelCloud& surfels, std::size_t most) {
+  if (surfels.size() <= most) return surfels;
   SurfelCloud samples;
-  for (std::size_t i = 0; i < max_samples; ++i) {
-    const std::size_t at = i * surfels.size() / max_samples;
+  for (std::size_t i = 0; i < most; ++i) {
+    const std::size_t at = i * surfels.size() / most;
     samples.means.push_back(surfels.means[at]);
     samples.normals.push_back(surfels.normals[at]);
   }
@@ -170,7 +170,7 @@ SurfelAlignment register_surfels(const SurfelCloud& query,
                                  const Rigid3& guess_reference_from_query) {
   SurfelAlignment alignment;
   alignment.reference_from_query = guess_reference_from_query;
-  const SurfelCloud samples = sample(query);
+  const SurfelCloud samples = sample(query, max_samples);
   alignment.samples = static_cast<int>(samples.size());
   const double voxel = reference.fine().voxel_size();
   const double reach = std::numbers::sqrt3 * voxel;
@@ -183,6 +183,19 @@ SurfelAlignment register_surfels(const SurfelCloud& query,
     alignment.reference_from_query = guess_reference_from_query;
   }
   refine(samples, reference.fine(), reach, max_iterations_fine, alignment);
+  return alignment;
+}
+
+SurfelAlignment register_nearby(const SurfelCloud& query,
+                                const SurfelMap& reference,
+                                const Rigid3& guess_reference_from_query,
+                                std::size_t samples) {
+  SurfelAlignment alignment;
+  alignment.reference_from_query = guess_reference_from_query;
+  const SurfelCloud picked = sample(query, samples);
+  alignment.samples = static_cast<int>(picked.size());
+  const double reach = std::numbers::sqrt3 * reference.voxel_size();
+  refine(picked, reference, reach, max_iterations_fine, alignment);
   return alignment;
 }
 

@@ -88,7 +88,8 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
 RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
                                     const std::vector<Rigid3>& map_from_local_map,
                                     std::span<const Closure> closures,
-                                    std::span<const NeighborLink> neighbors) {
+                                    std::span<const NeighborLink> neighbors,
+                                    std::span<const SurfaceLink> surfaces) {
   const std::vector<Range> ranges = ranges_of(scans, map_from_local_map.size());
   PoseGraph graph;
   for (const ScanPlace& scan : scans) {
@@ -117,6 +118,7 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
         nearest_scan(scans, ranges[closure.query_id], center),
         closure.reference_from_query,
         closure.sigmas.value_or(closure_sigmas)));
+    if (closure.trusted) graph.edges.back().kind = EdgeKind::odometry;
   }
   for (const NeighborLink& neighbor : neighbors) {
     if (neighbor.reference_id + 1 >= ranges.size()) {
@@ -137,6 +139,10 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
   PoseGraphOptions options;
   options.robust = false;
   RefinedTrajectory refined{optimize(graph, options).map_from_node, map_from_local_map};
+  if (!surfaces.empty()) {
+    graph.map_from_node = std::move(refined.map_from_lidar);
+    refined.map_from_lidar = fit_surfaces(std::move(graph), surfaces);
+  }
   for (std::size_t id = 0; id < ranges.size(); ++id) {
     if (ranges[id].end == 0) continue;
     const std::uint32_t middle = middle_scan(scans, ranges[id]);

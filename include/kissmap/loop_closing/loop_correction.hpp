@@ -8,6 +8,7 @@
 #include "kissmap/graph/pose_graph.hpp"
 #include "kissmap/graph/trajectory_spread.hpp"
 #include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/loop_closing/surface_links.hpp"
 
 namespace kissmap {
 
@@ -18,6 +19,7 @@ struct LoopEvidence {
   std::vector<double> path_lengths;        ///< m, of each local map
   std::vector<Closure> closures;           ///< all candidates
   std::vector<NeighborLink> neighbors;
+  std::vector<SurfaceLink> surfaces;
 };
 
 /// What closing loops makes of a map.
@@ -26,6 +28,7 @@ struct LoopCorrection {
   std::vector<Rigid3> map_from_lidar;      ///< one a scan
   std::vector<Closure> closures;           ///< those of the evidence, with their last verdicts
   std::vector<NeighborLink> neighbors;     ///< those of the evidence
+  std::vector<SurfaceLink> surfaces;       ///< those of the evidence
   PoseGraph graph;                         ///< of the keyposes, at its optimum
   std::vector<double> edge_weights;        ///< of the graph: 1 believed, 0 refused
 };
@@ -44,7 +47,8 @@ PoseGraph keypose_graph(std::span<const Rigid3> map_from_local_map,
 void set_verdicts(std::span<const double> edge_weights, std::vector<Closure>& closures);
 
 /// From what was measured to the corrected trajectory, starting at the odometry: the keypose graph
-/// says which closures to believe, then refine_trajectory() moves all scans. The history of a run
+/// says which closures to believe, then refine_trajectory() moves all scans, by surfaces if they
+/// were linked. The history of a run
 /// does not matter, so that the same evidence gives the same result when it is read back.
 /// `scans` as for spread_corrections(). One thread, the same result on every run. Thread safe.
 /// Throws Error(input) for ids out of range.

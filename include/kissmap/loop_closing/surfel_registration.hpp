@@ -77,6 +77,13 @@ SurfelAlignment register_surfels(const SurfelCloud& query,
                                  const SurfelReference& reference,
                                  const Rigid3& guess_reference_from_query);
 
+/// The same from a guess that is good to a voxel or two: at the reference's resolution alone, with
+/// at most `samples` surfels of the query.
+SurfelAlignment register_nearby(const SurfelCloud& query,
+                                const SurfelMap& reference,
+                                const Rigid3& guess_reference_from_query,
+                                std::size_t samples);
+
 /// Szymkiewicz-Simpson coefficient: voxels of the reference that hold a surfel of both maps, over
 /// the number of surfels of the smaller map, 0..1.
 double overlap(const SurfelCloud& query,

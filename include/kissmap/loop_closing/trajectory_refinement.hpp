@@ -8,6 +8,7 @@
 #include "kissmap/graph/pose_graph.hpp"
 #include "kissmap/graph/trajectory_spread.hpp"
 #include "kissmap/loop_closing/closure.hpp"
+#include "kissmap/loop_closing/surface_links.hpp"
 
 namespace kissmap {
 
@@ -28,12 +29,16 @@ struct RefinedTrajectory {
 /// degree a metre. Registering surfaces to planes does not, and what was seen from a stretch much
 /// shorter than the view is not bent itself.
 ///
+/// Surface links, if there are any, have the last word: a second graph holds them, too, and may
+/// refuse what contradicts them, but for closures that are trusted.
+///
 /// `scans` as for spread_corrections(). Closures must be accepted ones. The first scan stays where
 /// it is. Takes time proportional to the number of scans. One
 /// thread, the same result on every run. Throws Error(input) for ids that are out of range.
 RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
                                     const std::vector<Rigid3>& map_from_local_map,
                                     std::span<const Closure> closures,
-                                    std::span<const NeighborLink> neighbors);
+                                    std::span<const NeighborLink> neighbors,
+                                    std::span<const SurfaceLink> surfaces = {});
 
 }  // namespace kissmap

@@ -1,48 +1,44 @@
 // SPDX-License-Identifier: MIT
-#include "kissmap/loop_closing/loop_worker.hpp"
+#include "kissmap/parallel/task_thread.hpp"
 
 #include <utility>
 
 namespace kissmap {
-namespace {
 
-constexpr std::size_t most_waiting = 4;  // each is some megabytes
-
-}  // namespace
-
-LoopWorker::LoopWorker(LoopCloser& loops)
-    : loops_(loops), thread_([this](const std::stop_token& stop) { work(stop); }) {
+TaskThread::TaskThread(std::size_t most_waiting)
+    : most_waiting_(most_waiting), thread_([this](const std::stop_token& stop) { work(stop); }) {
 }
 
-LoopWorker::~LoopWorker() {
+TaskThread::~TaskThread() {
   thread_.request_stop();
 }
 
-void LoopWorker::add(LocalMap local_map) {
+void TaskThread::add(std::function<void()> task) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return failure_ || waiting_.size() < most_waiting; });
+  changed_.wait(lock, [this] { return failure_ || waiting_.size() < most_waiting_; });
   rethrow();
-  waiting_.push_back(std::move(local_map));
+  waiting_.push_back(std::move(task));
   changed_.notify_all();
 }
 
-void LoopWorker::finish() {
+void TaskThread::finish() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return failure_ || (waiting_.empty() && !busy_); });
   rethrow();
 }
 
-void LoopWorker::work(const std::stop_token& stop) {
+void TaskThread::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) {
     if (stop.stop_requested()) return;
-    const LocalMap local_map = std::move(waiting_.front());
+    std::function<void()> task = std::move(waiting_.front());
     waiting_.pop_front();
     busy_ = true;
     lock.unlock();
     std::exception_ptr failure;
     try {
-      loops_.add(local_map);
+      task();
+      task = nullptr;  // what it holds is freed here, not under the lock
     } catch (...) {
       failure = std::current_exception();
     }
@@ -54,7 +50,7 @@ void LoopWorker::work(const std::stop_token& stop) {
   }
 }
 
-void LoopWorker::rethrow() {
+void TaskThread::rethrow() {
   if (failure_) std::rethrow_exception(failure_);
 }
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "kissmap/geometry/rigid3.hpp"
+#include "kissmap/graph/pose_graph.hpp"
+#include "kissmap/mapping/stretch.hpp"
+#include "kissmap/parallel/thread_pool.hpp"
+
+namespace kissmap {
+
+/// Two stretches of the way the surfaces of which were registered to each other.
+struct SurfaceLink {
+  std::uint32_t reference_scan = 0;  ///< middle scan of the earlier stretch
+  std::uint32_t query_scan = 0;      ///< of the later one
+  Rigid3 reference_from_query;       ///< between the lidar frames of the two
+  Information information = Information::Zero();
+};
+
+/// Registers stretches to the ones around them, whether they came just before or belong to an
+/// earlier visit: each to the one before it, and to up to six others within a mean range, the
+/// nearest first. `map_from_lidar` of all scans must be good to about two voxels of a stretch.
+///
+/// Point-to-plane over many overlapping pieces is what leaves no double walls: odometry fits
+/// points to points scan by scan, and a closure ties two places of a tour, while drift bends what
+/// lies between them.
+///
+/// `surfels(i)` gives back the surfels of stretch i; it is called from several threads at once,
+/// with i ascending at most a mean range apart. Links ascend by reference, then by query. The same
+/// result for any number of threads.
+std::vector<SurfaceLink> link_surfaces(std::span<const StretchPlace> stretches,
+                                       const std::function<SurfelCloud(std::size_t)>& surfels,
+                                       std::span<const Rigid3> map_from_lidar,
+                                       ThreadPool& pool);
+
+/// One graph over all scans: the motions between them in `graph` (nodes: scans, in the order of
+/// time, edges: what is known of them), and the links that agree with where `graph` has its nodes
+/// by now. Links to other visits, and edges of kind closure, may be refused as false. Returns
+/// map_from_lidar of every scan. Throws Error(input) for a link to a scan that is not there.
+std::vector<Rigid3> fit_surfaces(PoseGraph graph, std::span<const SurfaceLink> links);
+
+}  // namespace kissmap

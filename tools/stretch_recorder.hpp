@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "kissmap/formats/surfel_spool.hpp"
+#include "kissmap/loop_closing/surface_links.hpp"
+#include "kissmap/mapping/stretch.hpp"
+
+namespace kissmap {
+
+/// Keeps the stretches of a run until their surfaces are linked: places in memory, surfels on the
+/// disk. Not thread safe.
+class StretchRecorder {
+ public:
+  StretchRecorder(const std::filesystem::path& folder, double min_range, double max_range)
+      : builder_(min_range, max_range), spool_(folder) {}
+
+  void add(const Scan& scan, const MappedScan& mapped) { keep(builder_.add(scan, mapped)); }
+  void finish() { keep(builder_.finish()); }
+
+  std::vector<SurfaceLink> link(std::span<const Rigid3> map_from_lidar, ThreadPool& pool) const {
+    return link_surfaces(
+        places_, [this](std::size_t i) { return spool_.read(i); }, map_from_lidar, pool);
+  }
+
+ private:
+  void keep(const std::optional<Stretch>& stretch) {
+    if (!stretch) return;
+    places_.push_back(stretch->place);
+    spool_.add(stretch->surfels);
+  }
+
+  StretchBuilder builder_;
+  SurfelSpool spool_;
+  std::vector<StretchPlace> places_;
+};
+
+}  // namespace kissmap
