@@ -139,6 +139,9 @@ std::vector<double> localise_with_mrpt(const fs::path& map_yaml,
   write_truth(steps, folder / "truth.txt");
   write_configuration(start, folder / "pf.ini");
   run_in(folder, std::string(MRPT_YAML_TO_GRID) + " -q -w -d . -i '" + map_yaml.string() + "'");
+  fs::path converted = folder / map_yaml.stem();
+  converted += ".gridmap.gz";
+  if (converted.filename() != "map.gridmap.gz") fs::rename(converted, folder / "map.gridmap.gz");
   run_in(folder, std::string(MRPT_LOCALISATION) + " pf.ini");
   std::vector<double> errors;
   std::ifstream file(folder / "log_000_0002000" / "GT_error.txt");

@@ -95,7 +95,7 @@ class OfficeBySlam : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempDir;
     simulator_ =
-        new Simulator(simulator::make_simulator({"office", "spinning32", "robot", 1, 0, 400, 1.0}));
+        new Simulator(simulator::make_simulator({"office", "spinning32", "robot", 1, 0, 512, 1.0}));
     write_log_folder(*simulator_, path("log"), 2, [](std::size_t) {});
     run({"run", path("log") / "scans", "-o", path("session"), "--quiet"});
     run({"export-grid", path("session"), "-o", path("laser"), "--for", "localization", "--quiet"});
