@@ -112,7 +112,6 @@ int GridJudge::widest_wall_gap(int reach) const {
       while (y + along_y < map_.height && missed.at(x, y + along_y).state == CellState::occupied) {
         ++along_y;
       }
-      if (std::getenv("DBG") && std::max(along_x,along_y)>2) std::printf("DBG gap at %.2f %.2f: %d %d\n", map_.corner.x()+x*0.05, map_.corner.y()+y*0.05, along_x, along_y);
       widest = std::max({widest, along_x, along_y});
     }
   }
