@@ -83,6 +83,7 @@ struct ExportGridCommand {
   bool floor_reference = true;
   std::string mode = "trinary";
   ColumnRule rule;
+  std::optional<double> threshold;  ///< none: by purpose
   int min_group = 0;         ///< cells
   std::vector<double> crop;  ///< x_min, y_min, x_max, y_max [m]; or empty
   bool connected = false;

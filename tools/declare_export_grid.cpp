@@ -37,9 +37,9 @@ void declare_rule(CLI::App& command, ExportGridCommand& c) {
   command
       .add_option(
           "--threshold",
-          c.rule.threshold,
-          "a voxel is occupied above this probability (0.5); a cell is if any voxel over it "
-          "in the band is")
+          c.threshold,
+          "a voxel is occupied above this probability, after one hit it is 0.7 (navigation 0.65, "
+          "localization 0.5); a cell is if any voxel over it in the band is")
       ->type_name("P");
   command
       .add_option("--min-free",

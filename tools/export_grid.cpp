@@ -35,13 +35,16 @@ GridExportOptions grid_options(const ExportGridCommand& command, const Session& 
   GridExportOptions options;
   options.min_range = configuration.odometry.min_range;
   options.max_range = configuration.odometry.max_range;
-  if (command.purpose == "localization") options.z_max = localization_z_max;
+  const bool localizes = command.purpose == "localization";
+  if (localizes) options.z_max = localization_z_max;
   if (command.z_min) options.z_min = *command.z_min;
   if (command.z_max) options.z_max = *command.z_max;
   options.resolution = command.resolution;
   options.floor_reference = command.floor_reference;
   options.mode = command.mode == "scale" ? GridMode::scale : GridMode::trinary;
   options.rule = command.rule;
+  options.rule.threshold =
+      command.threshold.value_or(localizes ? localization_threshold : navigation_threshold);
   options.min_group = command.min_group;
   options.connected = command.connected;
   options.align_axes = command.align_axes;

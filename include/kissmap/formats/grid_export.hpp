@@ -24,7 +24,7 @@ struct GridExportOptions {
   double resolution = 0.0;      ///< m; 0: 0.05, 0.1 or 0.2 by how near things are
   bool floor_reference = true;  ///< heights from the floor, else from the level of the start
   GridMode mode = GridMode::trinary;
-  ColumnRule rule;
+  ColumnRule rule{navigation_threshold, 0.5, 0.0};
   int min_group = 0;                        ///< cells, see remove_small_groups
   bool connected = false;                   ///< see keep_connected_free
   bool align_axes = false;                  ///< turns the walls along x and y

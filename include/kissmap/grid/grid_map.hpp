@@ -42,11 +42,17 @@ struct GridMap {
   }
 };
 
+/// For maps whose doors must be open: one glance at somebody walking by makes no obstacle (0.7).
+inline constexpr double navigation_threshold = 0.65;
+/// For maps of thin layers, in which a chair's leg may be seen but once.
+inline constexpr double localization_threshold = 0.5;
+
 /// What a column of the band's voxels makes of its cell.
 struct ColumnRule {
-  double threshold = 0.5;  ///< a voxel is occupied above this probability, free below
-  double min_free = 0.5;   ///< share of the seen voxels that must be free for a free cell
-  double min_seen = 0.0;   ///< share of the band that must be seen for a free cell
+  double threshold =
+      localization_threshold;  ///< a voxel is occupied above this probability, free below
+  double min_free = 0.5;       ///< share of the seen voxels that must be free for a free cell
+  double min_seen = 0.0;       ///< share of the band that must be seen for a free cell
 };
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const ColumnRule& rule);
