@@ -36,7 +36,10 @@ GridExportOptions grid_options(const ExportGridCommand& command, const Session& 
   options.min_range = configuration.odometry.min_range;
   options.max_range = configuration.odometry.max_range;
   const bool localizes = command.purpose == "localization";
-  if (localizes) options.z_max = localization_z_max;
+  if (localizes) {
+    options.z_max = localization_z_max;
+    options.belief = localization_belief;
+  }
   if (command.z_min) options.z_min = *command.z_min;
   if (command.z_max) options.z_max = *command.z_max;
   options.resolution = command.resolution;

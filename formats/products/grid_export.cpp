@@ -105,7 +105,7 @@ std::vector<GridMap> cast_rays(const Session& session,
   const GridBand band = band_of(options, survey.mean_range);
   std::deque<BandMapper> mappers;
   for (std::uint32_t level = 0; level < survey.level_count; ++level) {
-    mappers.emplace_back(survey.floor_of(level), band);
+    mappers.emplace_back(survey.floor_of(level), band, options.belief);
   }
   const auto cast = [&](const PlacedScan& scan) {
     mappers[survey.levels[scan.scan_idx]].add(scan, survey.level_from_map, pool);

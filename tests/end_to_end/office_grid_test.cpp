@@ -43,7 +43,10 @@ std::vector<GridMap> map_bands(const Simulator& simulator, const std::vector<Gri
   const FloorMap floor = find_floor(simulator);
   ThreadPool pool;
   std::deque<BandMapper> mappers;
-  for (const GridBand& band : bands) mappers.emplace_back(floor, band);
+  for (const GridBand& band : bands) {
+    const bool thin = band.z_max < 0.5;
+    mappers.emplace_back(floor, band, thin ? localization_belief : BandBelief{});
+  }
   for_each_scan(simulator, [&](const PlacedScan& scan) {
     for (BandMapper& mapper : mappers) mapper.add(scan, Rigid3{}, pool);
   });

@@ -10,6 +10,7 @@
 #include "kissmap/formats/export_progress.hpp"
 #include "kissmap/formats/grid_files.hpp"
 #include "kissmap/formats/session.hpp"
+#include "kissmap/grid/band_mapper.hpp"
 #include "kissmap/grid/grid_map.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
 
@@ -24,6 +25,7 @@ struct GridExportOptions {
   double resolution = 0.0;      ///< m; 0: 0.05, 0.1 or 0.2 by how near things are
   bool floor_reference = true;  ///< heights from the floor, else from the level of the start
   GridMode mode = GridMode::trinary;
+  BandBelief belief;
   ColumnRule rule{navigation_threshold, 0.5, 0.0};
   int min_group = 0;                        ///< cells, see remove_small_groups
   bool connected = false;                   ///< see keep_connected_free
