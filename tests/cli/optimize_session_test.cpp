@@ -266,6 +266,7 @@ TEST_F(OptimizeSession, AStoppedUpdateIsReportedAndCanBeRepeated) {
                                        "poses.csv",
                                        "closures.csv",
                                        "neighbors.csv",
+                                       "surfaces.csv",
                                        "pose_graph.g2o",
                                        "trajectory.tum",
                                        "trajectory_kitti.txt",

@@ -101,8 +101,7 @@ TEST(LoopsInTheOffice, AreFound) {
     const std::vector<std::uint32_t> revisits = tour.revisits();
     EXPECT_GE(revisits.size(), 1U);
     expect_most_found(tour, revisits);
-    // 0.15 m on 29 of 30 logs of three sensors, 0.155 m on seed 5 of this one.
-    EXPECT_LT(tour.ate(tour.correction()), std::max(0.16, tour.odometry_ate() / 3.0));
+    EXPECT_LT(tour.ate(tour.correction()), std::max(0.15, tour.odometry_ate() / 3.0));
   }
 }
 

@@ -35,19 +35,29 @@ class LoopTour {
     stamps_.push_back(mapped.pose_stamp_ns);
     odometry_[mapped.pose_stamp_ns] = mapped.map_from_lidar.translation;
     truth_[mapped.pose_stamp_ns] = true_pose.translation;
+    keep(stretch_builder_.add(thinned_for_stretches(scan), mapped));
     close(step.closed);
   }
 
   void finish() {
     close(mapper_.finish());
+    keep(stretch_builder_.finish());
     loops_.look_again();
-    correction_ = correct_loops(places_, loops_.evidence());
+    evidence_ = loops_.evidence();
+    std::vector<StretchPlace> stretches;
+    for (const Stretch& stretch : stretches_) stretches.push_back(stretch.place);
+    evidence_.surfaces = link_surfaces(
+        stretches,
+        [this](std::size_t i) { return stretches_[i].surfels; },
+        correct_loops(places_, evidence_).map_from_lidar,
+        pool_);
+    correction_ = correct_loops(places_, evidence_);
   }
 
   const std::vector<LocalMap>& local_maps() const { return local_maps_; }
   const std::vector<ScanPlace>& places() const { return places_; }
   const LoopCorrection& correction() const { return correction_; }
-  LoopEvidence evidence() const { return loops_.evidence(); }
+  const LoopEvidence& evidence() const { return evidence_; }
   double odometry_ate() const { return trajectory_error(odometry_, truth_).ate; }
 
   double ate(const LoopCorrection& correction) const {
@@ -94,6 +104,9 @@ class LoopTour {
   }
 
  private:
+  void keep(std::optional<Stretch> stretch) {
+    if (stretch) stretches_.push_back(std::move(*stretch));
+  }
   void close(const std::optional<LocalMap>& local_map) {
     if (!local_map) return;
     local_maps_.push_back(*local_map);
@@ -111,6 +124,9 @@ class LoopTour {
   std::vector<std::int64_t> stamps_;
   Positions odometry_;
   Positions truth_;
+  StretchBuilder stretch_builder_{OdometryOptions{}.min_range, OdometryOptions{}.max_range};
+  std::vector<Stretch> stretches_;
+  LoopEvidence evidence_;
   LoopCorrection correction_;
 };
 

@@ -38,6 +38,18 @@ Closure closure(std::uint32_t query, std::uint32_t reference, ClosureVerdict ver
   return closure;
 }
 
+/// Symmetric, all 21 numbers different.
+Information information(double size) {
+  Information made = size * Information::Identity();
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      made(row, column) += 0.01 * (6 * row + column) / 3.0;
+      made(column, row) = made(row, column);
+    }
+  }
+  return made;
+}
+
 class CorrectedSession : public testing::Test {
  protected:
   CorrectedSession() {
@@ -59,6 +71,8 @@ class CorrectedSession : public testing::Test {
                             closure(1, 0, ClosureVerdict::walls_disagree)};
     correction_.neighbors = {{0, small_motion(0.7), 3, 4, 12.5},
                              {1, small_motion(-0.2), 0, 1, 0.1}};
+    correction_.surfaces = {{0, 2, small_motion(0.4), information(1.0)},
+                            {1, 3, small_motion(-0.9), information(2.5)}};
     correction_.graph.map_from_node = correction_.map_from_local_map;
     for (std::uint32_t i = 1; i < example_.local_maps.size(); ++i) {
       correction_.graph.edges.push_back({i - 1, i, small_motion(1.0), Information::Identity()});
@@ -144,6 +158,18 @@ TEST_F(CorrectedSession, KeepsTheLinksOfNeighbours) {
   }
 }
 
+TEST_F(CorrectedSession, KeepsTheLinksOfSurfaces) {
+  const std::vector<SurfaceLink> read = read_session_evidence(path_).loops.surfaces;
+  ASSERT_EQ(read.size(), correction_.surfaces.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const SurfaceLink& link = correction_.surfaces[i];
+    EXPECT_EQ(read[i].reference_scan, link.reference_scan);
+    EXPECT_EQ(read[i].query_scan, link.query_scan);
+    EXPECT_EQ(read[i].reference_from_query.translation, link.reference_from_query.translation);
+    EXPECT_EQ(read[i].information, link.information);
+  }
+}
+
 TEST_F(CorrectedSession, TheGraphIsAG2oFile) {
   const GraphFile file = read_g2o(path_ / "pose_graph.g2o");
   EXPECT_EQ(file.ids.size(), example_.local_maps.size());
@@ -163,6 +189,9 @@ TEST_F(CorrectedSession, DamageIsNamed) {
   EXPECT_THAT(error_with("neighbors.csv", "\n1,2,", "\n1,0,"),
               AllOf(HasSubstr("neighbors.csv"), HasSubstr("line 3"), HasSubstr("after")));
   EXPECT_THAT(error_with("neighbors.csv", "\n1,2,", "\n2,3,"), HasSubstr("no local map"));
+  EXPECT_THAT(error_with("surfaces.csv", "\n1,3,", "\n1,99,"),
+              AllOf(HasSubstr("surfaces.csv"), HasSubstr("line 3"), HasSubstr("no scan")));
+  EXPECT_THAT(error_with("surfaces.csv", "\n1,3,", "\n3,1,"), HasSubstr("not later"));
   EXPECT_THAT(error_with("keyposes.csv", "\n1,", "\n2,"),
               AllOf(HasSubstr("keyposes.csv"), HasSubstr("line 3")));
   EXPECT_THAT(error_with("poses.csv", "\n3,", "\n7,"), HasSubstr("line 2"));
@@ -172,7 +201,7 @@ TEST_F(CorrectedSession, DamageIsNamed) {
 }
 
 TEST_F(CorrectedSession, MissingMeasurementsAreNamed) {
-  for (const char* name : {"closures.csv", "neighbors.csv"}) {
+  for (const char* name : {"closures.csv", "neighbors.csv", "surfaces.csv"}) {
     std::filesystem::rename(path_ / name, folder_.path() / "away");
     EXPECT_THAT(error_of([&] { read_session_evidence(path_); }),
                 AllOf(HasSubstr(name), HasSubstr("holds 0 rows")));

@@ -87,6 +87,7 @@ class SessionUpdates : public testing::Test {
     }
     made.graph.map_from_node = made.map_from_local_map;
     made.neighbors = {{0, random_pose(random), 1, 2, 7.25}};
+    made.surfaces = {{0, 1, random_pose(random), Information::Identity()}};
     made.closures = all_reasons();
     return made;
   }
@@ -146,6 +147,7 @@ TEST_F(SessionUpdates, ChangesAllThatFollowsAndNothingElse) {
                           "neighbors.csv",
                           "pose_graph.g2o",
                           "poses.csv",
+                          "surfaces.csv",
                           "trajectory.tum",
                           "trajectory_kitti.txt",
                           "edits.txt"));
@@ -163,10 +165,12 @@ TEST_F(SessionUpdates, WhatWasMeasuredIsNeverLost) {
   fewer_closures.correction->closures.erase(fewer_closures.correction->closures.begin());
   SessionUpdate fewer_neighbors = update(2.0);
   fewer_neighbors.correction->neighbors.clear();
+  SessionUpdate fewer_surfaces = update(2.0);
+  fewer_surfaces.correction->surfaces.clear();
   SessionUpdate fewer_scans = update(2.0);
   fewer_scans.correction->map_from_lidar.pop_back();
   for (const SessionUpdate& wanted :
-       {SessionUpdate{}, fewer_closures, fewer_neighbors, fewer_scans}) {
+       {SessionUpdate{}, fewer_closures, fewer_neighbors, fewer_surfaces, fewer_scans}) {
     EXPECT_THAT(error_of_update(wanted), StartsWith("internal: "));
     EXPECT_THAT(error_of([&] { copy_session(read_session_evidence(path_), wanted, copy_, false); }),
                 StartsWith("internal: "));
@@ -183,6 +187,7 @@ TEST_F(SessionUpdates, LoopsLeftOpenCanBeClosedAndOpenedAgain) {
   EXPECT_FALSE(read_session(open).corrected);
   SessionUpdate by_hand = update(2.0, "add 2 0\n");
   by_hand.correction->neighbors.clear();
+  by_hand.correction->surfaces.clear();
   std::erase_if(by_hand.correction->closures,
                 [](const Closure& c) { return c.source != ClosureSource::hand; });
   update_session(read_session_evidence(open), by_hand);
@@ -257,7 +262,7 @@ TEST_F(SessionUpdates, SessionsWithoutAllMeasurementsAreRefusedWithTheCure) {
   std::string manifest = read_file(path_ / "session.json");
   const std::size_t at = manifest.find(",\n    \"neighbors\"");
   ASSERT_NE(at, std::string::npos);
-  manifest.erase(at, manifest.find('\n', at + 2) - at);
+  manifest.erase(at, manifest.find_first_of(",\n", at + 2) - at);
   write_file(path_ / "session.json", manifest);
   EXPECT_EQ(error_of([&] { read_session(path_); }), "no error") << "others can still read it";
   EXPECT_THAT(error_of([&] { read_session_evidence(path_); }), HasSubstr("kissmap run"));

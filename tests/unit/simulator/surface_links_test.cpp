@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+// Stretches of simulated drives, and what fitting their surfaces makes of drift put there by hand.
+#include "kissmap/loop_closing/surface_links.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kissmap/error.hpp"
+#include "kissmap/loop_closing/loop_correction.hpp"
+#include "simulator/scenario.hpp"
+#include "simulator/simulator.hpp"
+
+namespace kissmap::simulator {
+namespace {
+
+/// A drive through the office, with where it truly was.
+struct Drive {
+  std::vector<Rigid3> truth;  ///< map_from_lidar
+  std::vector<Stretch> stretches;
+
+  std::vector<StretchPlace> places() const {
+    std::vector<StretchPlace> found;
+    for (const Stretch& stretch : stretches) found.push_back(stretch.place);
+    return found;
+  }
+  std::vector<SurfaceLink> links(const std::vector<Rigid3>& map_from_lidar, int threads) const {
+    ThreadPool pool(threads);
+    return link_surfaces(
+        places(), [this](std::size_t i) { return stretches[i].surfels; }, map_from_lidar, pool);
+  }
+};
+
+Drive drive(std::size_t scans) {
+  const Simulator simulator = make_simulator({"office", "spinning16", "robot", 1, scans, 300, 1.0});
+  Drive made;
+  StretchBuilder builder(0.5, 100.0);
+  const auto keep = [&made](std::optional<Stretch> stretch) {
+    if (stretch) made.stretches.push_back(std::move(*stretch));
+  };
+  for (std::size_t i = 0; i < scans; ++i) {
+    const Scan scan = simulator.scan(i);
+    MappedScan mapped;
+    mapped.stamp_ns = scan.stamp_ns;
+    mapped.pose_stamp_ns =
+        scan.stamp_ns + std::llround(1e9 * static_cast<double>(time_span(scan)->last));
+    mapped.map_from_lidar = simulator.map_from_lidar(mapped.pose_stamp_ns);
+    mapped.deskewed = true;
+    made.truth.push_back(mapped.map_from_lidar);
+    keep(builder.add(scan, mapped));
+  }
+  keep(builder.finish());
+  return made;
+}
+
+/// The drive as an odometry with drift would have it: a graph at its optimum.
+PoseGraph drifted(const std::vector<Rigid3>& truth) {
+  PoseGraph graph;
+  graph.map_from_node.push_back(truth.front());
+  Twist error = Twist::Zero();
+  error << 2e-4, -3e-4, 4e-4, 1e-4, -1e-4, 2e-4;
+  for (std::uint32_t i = 1; i < truth.size(); ++i) {
+    const Rigid3 motion = truth[i - 1].inverse() * truth[i] * exp(error);
+    graph.map_from_node.push_back(graph.map_from_node.back() * motion);
+    graph.edges.push_back(
+        {i - 1, i, motion, odometry_information(motion.translation.norm()), EdgeKind::odometry});
+  }
+  return graph;
+}
+
+double largest_error(const std::vector<Rigid3>& found, const std::vector<Rigid3>& truth) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    largest = std::max(largest, (found[i].translation - truth[i].translation).norm());
+  }
+  return largest;
+}
+
+class SurfaceLinks : public testing::Test {
+ protected:
+  static constexpr std::size_t scans = 400;
+  static const Drive& the_drive() {
+    static const Drive made = drive(scans);
+    return made;
+  }
+};
+
+TEST_F(SurfaceLinks, StretchesDivideTheWay) {
+  const std::vector<StretchPlace> places = the_drive().places();
+  ASSERT_GT(places.size(), 10U);
+  EXPECT_EQ(places.front().first_scan, 0U);
+  EXPECT_EQ(places.back().end_scan, scans);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (i > 0) {
+      EXPECT_EQ(places[i].first_scan, places[i - 1].end_scan);
+    }
+    EXPECT_GE(places[i].middle_scan, places[i].first_scan);
+    EXPECT_LT(places[i].middle_scan, places[i].end_scan);
+    EXPECT_GT(the_drive().stretches[i].surfels.size(), 100U);
+    const Rigid3 way = the_drive().truth[places[i].first_scan].inverse() *
+                       the_drive().truth[places[i].end_scan - 1];
+    EXPECT_LT(way.translation.norm(), 1.0);
+  }
+}
+
+TEST_F(SurfaceLinks, OfTruePosesAreTrue) {
+  const std::vector<SurfaceLink> links = the_drive().links(the_drive().truth, 2);
+  ASSERT_GT(links.size(), the_drive().stretches.size());
+  std::vector<double> off;
+  for (const SurfaceLink& link : links) {
+    EXPECT_LT(link.reference_scan, link.query_scan);
+    const Rigid3 truth =
+        the_drive().truth[link.reference_scan].inverse() * the_drive().truth[link.query_scan];
+    off.push_back((truth.inverse() * link.reference_from_query).translation.norm());
+  }
+  std::ranges::sort(off);
+  EXPECT_LT(off[off.size() / 2], 0.02);
+  EXPECT_LT(off[9 * off.size() / 10], 0.05);
+}
+
+TEST_F(SurfaceLinks, TakeAwayMostOfTheDrift) {
+  const PoseGraph graph = drifted(the_drive().truth);
+  const double before = largest_error(graph.map_from_node, the_drive().truth);
+  ASSERT_GT(before, 0.15);
+  const std::vector<SurfaceLink> links = the_drive().links(graph.map_from_node, 2);
+  const double after = largest_error(fit_surfaces(graph, links), the_drive().truth);
+  EXPECT_LT(after, before / 3.0);
+}
+
+TEST_F(SurfaceLinks, FalseOnesAreRefused) {
+  const PoseGraph graph = drifted(the_drive().truth);
+  std::vector<SurfaceLink> links = the_drive().links(graph.map_from_node, 2);
+  const std::vector<Rigid3> expected = fit_surfaces(graph, links);
+  const std::size_t true_links = links.size();
+  for (std::size_t i = 0; i < true_links; i += 10) {
+    SurfaceLink wrong = links[i];
+    wrong.reference_from_query.translation += Eigen::Vector3d(0.0, i % 20 == 0 ? 0.5 : 4.0, 0.0);
+    links.push_back(wrong);
+  }
+  EXPECT_LT(largest_error(fit_surfaces(graph, links), expected), 0.03);
+}
+
+TEST_F(SurfaceLinks, AreTheSameForAnyNumberOfThreads) {
+  const std::vector<SurfaceLink> one = the_drive().links(the_drive().truth, 1);
+  for (const int threads : {2, 5}) {
+    const std::vector<SurfaceLink> more = the_drive().links(the_drive().truth, threads);
+    ASSERT_EQ(more.size(), one.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(more[i].query_scan, one[i].query_scan);
+      EXPECT_EQ(more[i].reference_from_query.translation, one[i].reference_from_query.translation);
+      EXPECT_EQ(more[i].information, one[i].information);
+    }
+  }
+}
+
+TEST_F(SurfaceLinks, ToScansThatAreNotThereAreAnError) {
+  const PoseGraph graph = drifted(the_drive().truth);
+  EXPECT_THROW(
+      fit_surfaces(graph, std::vector<SurfaceLink>{{3, scans, Rigid3{}, Information::Identity()}}),
+      Error);
+}
+
+TEST(StretchBuilderTest, WhileTheSensorStandsThereIsOneStretch) {
+  Scan scan;
+  scan.stamp_instant = StampInstant::sweep_end;
+  for (float y = -2.0F; y < 2.0F; y += 0.1F) {
+    for (float z = -1.0F; z < 1.0F; z += 0.05F) scan.points.emplace_back(4.0F, y, z);
+  }
+  StretchBuilder builder(0.5, 100.0);
+  for (int i = 0; i < 500; ++i) {
+    MappedScan mapped;
+    mapped.stamp_ns = mapped.pose_stamp_ns = 100'000'000LL * i;
+    EXPECT_FALSE(builder.add(scan, mapped));
+  }
+  const std::optional<Stretch> stretch = builder.finish();
+  ASSERT_TRUE(stretch);
+  EXPECT_EQ(stretch->place.end_scan, 500U);
+  for (const Eigen::Vector3f& normal : stretch->surfels.normals)
+    EXPECT_NEAR(normal.x(), -1.0, 1e-3);
+  EXPECT_FALSE(StretchBuilder(0.5, 100.0).finish());
+}
+
+TEST(StretchBuilderTest, LargeScansAreThinnedEvenly) {
+  Scan scan;
+  scan.time_source = TimeSource::recorded;
+  for (int i = 0; i < 100'000; ++i) {
+    scan.points.emplace_back(1.0F + static_cast<float>(i), 0.0F, 0.0F);
+    scan.time_offsets.push_back(static_cast<float>(i));
+  }
+  const Scan thinned = thinned_for_stretches(scan);
+  EXPECT_LE(thinned.points.size(), 16384U);
+  EXPECT_GT(thinned.points.size(), 10'000U);
+  ASSERT_EQ(thinned.time_offsets.size(), thinned.points.size());
+  for (std::size_t i = 0; i < thinned.points.size(); ++i) {
+    EXPECT_EQ(thinned.points[i].x(), 1.0F + thinned.time_offsets[i]);
+  }
+  scan.points.resize(16384);
+  scan.time_offsets.resize(16384);
+  EXPECT_EQ(thinned_for_stretches(scan).points.size(), 16384U);
+}
+
+}  // namespace
+}  // namespace kissmap::simulator
