@@ -92,23 +92,17 @@ GridMap in_world(const OccupancyPlan& plan, const Pose2& world_from_plan) {
 
 class OfficeBySlam : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new TempDir;
-    simulator_ =
-        new Simulator(simulator::make_simulator({"office", "spinning32", "robot", 1, 0, 512, 1.0}));
-    write_log_folder(*simulator_, path("log"), 2, [](std::size_t) {});
+  void SetUp() override {
+    write_log_folder(simulator_, path("log"), 2, [](std::size_t) {});
     run({"run", path("log") / "scans", "-o", path("session"), "--quiet"});
     run({"export-grid", path("session"), "-o", path("laser"), "--for", "localization", "--quiet"});
-    world_from_map_ = world_from_level(path("session"), *simulator_);
-  }
-  static void TearDownTestSuite() {
-    delete simulator_;
-    delete folder_;
+    if (HasFatalFailure()) return;
+    world_from_map_ = world_from_level(path("session"), simulator_);
   }
 
-  static fs::path path(const std::string& name) { return folder_->path() / name; }
-  static fs::path navigation_map() { return path("session") / "products" / "grid.yaml"; }
-  static fs::path laser_map() { return path("laser.yaml"); }
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  fs::path navigation_map() const { return path("session") / "products" / "grid.yaml"; }
+  fs::path laser_map() const { return path("laser.yaml"); }
   static OccupancyPlan loaded(const fs::path& yaml) {
     return as_amcl_sees(load_map(yaml, MapLoader::nav2));
   }
@@ -118,61 +112,71 @@ class OfficeBySlam : public testing::Test {
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
-  inline static TempDir* folder_ = nullptr;
-  inline static Simulator* simulator_ = nullptr;
-  inline static Pose2 world_from_map_;
-};
-
-TEST_F(OfficeBySlam, IsThePlanWithinTwoCells) {
-  const std::vector<GridMap> maps = {in_world(loaded(navigation_map()), world_from_map_),
-                                     in_world(loaded(laser_map()), world_from_map_)};
-  EXPECT_EQ(maps[0].resolution, 0.05) << "indoors by itself";
-  const std::vector<GridQuality> found =
-      judge_office(*simulator_, {navigation, localization}, maps, reach);
-  const LaserRobotInTheOffice robot;
-  {
-    SCOPED_TRACE("navigation");
-    expect_office_plan(found[0]);
-    EXPECT_LE(found[0].widest_wall_gap, 2);
-    expect_doors_as_they_are(robot.office(), maps[0]);
+  void expect_plan_within_two_cells() const {
+    const std::vector<GridMap> maps = {in_world(loaded(navigation_map()), world_from_map_),
+                                       in_world(loaded(laser_map()), world_from_map_)};
+    EXPECT_EQ(maps[0].resolution, 0.05) << "indoors by itself";
+    const std::vector<GridQuality> found =
+        judge_office(simulator_, {navigation, localization}, maps, reach);
+    {
+      SCOPED_TRACE("navigation");
+      expect_office_plan(found[0]);
+      EXPECT_LE(found[0].widest_wall_gap, 2);
+      expect_doors_as_they_are(robot_.office(), maps[0]);
+    }
+    {
+      SCOPED_TRACE("localization");
+      expect_office_plan(found[1]);
+    }
   }
-  {
-    SCOPED_TRACE("localization");
-    expect_office_plan(found[1]);
-  }
-}
 
-TEST_F(OfficeBySlam, LocalisesARobotAsThePlanDoes) {
-  const LaserRobotInTheOffice robot;
-  const Localised by_plan =
-      robot.localise(robot.exact_plan(localization.z_min, localization.z_max));
-  const Localised by_map = robot.localise(loaded(laser_map()), world_from_map_);
-  ASSERT_GE(by_plan.converged, 9);
-  EXPECT_GE(by_map.converged, by_plan.converged - 1);
-  EXPECT_LE(by_map.rms, 1.2 * by_plan.rms);
-  RecordProperty("plan_rms_mm", static_cast<int>(1000.0 * by_plan.rms));
-  RecordProperty("map_rms_mm", static_cast<int>(1000.0 * by_map.rms));
-}
+  void expect_robot_finds_itself() const {
+    const Localised by_plan =
+        robot_.localise(robot_.exact_plan(localization.z_min, localization.z_max));
+    const Localised by_map = robot_.localise(loaded(laser_map()), world_from_map_);
+    ASSERT_GE(by_plan.converged, 9);
+    EXPECT_GE(by_map.converged, by_plan.converged - 1);
+    EXPECT_LE(by_map.rms, 1.2 * by_plan.rms);
+    RecordProperty("plan_rms_mm", static_cast<int>(1000.0 * by_plan.rms));
+    RecordProperty("map_rms_mm", static_cast<int>(1000.0 * by_map.rms));
+  }
 
 #ifdef KISSMAP_HAS_MRPT
-TEST_F(OfficeBySlam, LocalisesMrpt) {
-  const LaserRobotInTheOffice robot;
-  LaserRobotOptions options;
-  options.height = 0.15;
-  std::vector<LaserStep> steps = robot.drive(options);
-  for (LaserStep& step : steps) {  // MRPT is told the truth in the frame of the map
-    step.world_from_robot = world_from_map_.inverse() * step.world_from_robot;
+  void expect_mrpt_finds_itself() const {
+    LaserRobotOptions options;
+    options.height = 0.15;
+    std::vector<LaserStep> steps = robot_.drive(options);
+    for (LaserStep& step : steps) {  // MRPT is told the truth in the frame of the map
+      step.world_from_robot = world_from_map_.inverse() * step.world_from_robot;
+    }
+    const Pose2& begin = steps.front().world_from_robot;
+    const Eigen::Vector2d place(begin.x, begin.y);
+    const Eigen::AlignedBox2d start(place - Eigen::Vector2d(1.5, 2.5),
+                                    place + Eigen::Vector2d(2.5, 1.5));
+    std::vector<double> errors =
+        localise_with_mrpt(laser_map(), steps, options, start, path("mrpt"));
+    errors.erase(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
+    std::ranges::sort(errors);
+    EXPECT_LT(errors[errors.size() / 2], 0.1) << "median error of MRPT's particle filter";
   }
-  const Pose2& begin = steps.front().world_from_robot;
-  const Eigen::Vector2d place(begin.x, begin.y);
-  const Eigen::AlignedBox2d start(place - Eigen::Vector2d(1.5, 2.5),
-                                  place + Eigen::Vector2d(2.5, 1.5));
-  std::vector<double> errors = localise_with_mrpt(laser_map(), steps, options, start, path("mrpt"));
-  errors.erase(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
-  std::ranges::sort(errors);
-  EXPECT_LT(errors[errors.size() / 2], 0.1);
-}
 #endif
+
+ private:
+  TempDir folder_;
+  Simulator simulator_ =
+      simulator::make_simulator({"office", "spinning32", "robot", 1, 0, 512, 1.0});
+  LaserRobotInTheOffice robot_;
+  Pose2 world_from_map_;
+};
+
+// One test, because the maps take a while to make.
+TEST_F(OfficeBySlam, IsThePlanAndLocalisesRobotsAsThePlanDoes) {
+  expect_plan_within_two_cells();
+  expect_robot_finds_itself();
+#ifdef KISSMAP_HAS_MRPT
+  expect_mrpt_finds_itself();
+#endif
+}
 
 }  // namespace
 }  // namespace kissmap
