@@ -98,7 +98,9 @@ class BandMapper::Impl {
     thread_local std::vector<Eigen::Vector3d> corners;
     bend_ray(start, last, floor_, corners);
     for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
-      push(corners[k], corners[k + 1], 0, bent);
+      if (meets_band(corners[k].z(), corners[k + 1].z())) {
+        push(corners[k], corners[k + 1], 0, bent);
+      }
     }
   }
 
@@ -109,6 +111,11 @@ class BandMapper::Impl {
     rays.starts.emplace_back((start - rays.offset).cast<float>());
     rays.ends.emplace_back((end - rays.offset).cast<float>());
     rays.is_hit.push_back(is_hit);
+  }
+
+  /// Of a straight piece between two heights above the floor.
+  bool meets_band(double from, double to) const {
+    return std::max(from, to) >= band_.z_min && std::min(from, to) <= band_.z_max;
   }
 
   /// False only if the ray is above or below the band wherever the floor may be.

@@ -23,14 +23,15 @@ struct SurfaceLink {
 
 /// Registers stretches to the ones around them, whether they came just before or belong to an
 /// earlier visit: each to the one before it, and to up to six others within a mean range, the
-/// nearest first. `map_from_lidar` of all scans must be good to about two voxels of a stretch.
+/// nearest first (if the one before is not among these). `map_from_lidar` of all scans must be good
+/// to about two voxels of a stretch.
 ///
 /// Point-to-plane over many overlapping pieces is what leaves no double walls: odometry fits
 /// points to points scan by scan, and a closure ties two places of a tour, while drift bends what
 /// lies between them.
 ///
-/// `surfels(i)` gives back the surfels of stretch i; it is called from several threads at once,
-/// with i ascending at most a mean range apart. Links ascend by reference, then by query. The same
+/// `surfels(i)` gives back the surfels of stretch i; it is called several times for each, from
+/// several threads at once. Links ascend by reference, then by query. The same
 /// result for any number of threads.
 std::vector<SurfaceLink> link_surfaces(std::span<const StretchPlace> stretches,
                                        const std::function<SurfelCloud(std::size_t)>& surfels,
