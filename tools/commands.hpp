@@ -84,8 +84,8 @@ struct ExportGridCommand {
   std::string mode = "trinary";
   ColumnRule rule;
   std::optional<double> threshold;  ///< none: by purpose
-  int min_group = 0;         ///< cells
-  std::vector<double> crop;  ///< x_min, y_min, x_max, y_max [m]; or empty
+  int min_group = 0;                ///< cells
+  std::vector<double> crop;         ///< x_min, y_min, x_max, y_max [m]; or empty
   bool connected = false;
   bool align_axes = false;
   int threads = 0;
@@ -93,6 +93,19 @@ struct ExportGridCommand {
   bool quiet = false;
 };
 void export_grid(const ExportGridCommand& command);
+
+struct ExportVoxelsCommand {
+  std::filesystem::path session;
+  std::filesystem::path output;
+  std::filesystem::path log;
+  double resolution = 0.0;  ///< m; 0: by how near things are
+  double threshold = 0.5;
+  double no_return_range = 0.0;  ///< m; 0: off
+  int threads = 0;
+  bool overwrite = false;
+  bool quiet = false;
+};
+void export_voxels(const ExportVoxelsCommand& command);
 
 struct ExportCloudCommand {
   std::filesystem::path session;

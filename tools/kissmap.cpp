@@ -10,6 +10,7 @@
 #include "declare_eval.hpp"
 #include "declare_export_cloud.hpp"
 #include "declare_export_grid.hpp"
+#include "declare_export_voxels.hpp"
 #include "declare_how.hpp"
 #include "declare_optimize.hpp"
 #include "kissmap/error.hpp"
@@ -32,6 +33,7 @@ struct Commands {
   ExportGridCommand export_grid;
   EvalCommand eval;
   ExportCloudCommand export_cloud;
+  ExportVoxelsCommand export_voxels;
   std::map<const CLI::App*, std::function<void()>> action;
 };
 
@@ -110,6 +112,8 @@ void declare_others(CLI::App& app, Commands& commands) {
   };
   commands.action[&declare_export_cloud(app, commands.export_cloud)] =
       [&c = commands.export_cloud] { export_cloud(c); };
+  commands.action[&declare_export_voxels(app, commands.export_voxels)] =
+      [&c = commands.export_voxels] { export_voxels(c); };
   commands.action[&declare_eval(app, commands.eval)] = [&c = commands.eval] { eval(c); };
 
   commands.action[app.add_subcommand("formats", "List the log formats")] = list_formats;

@@ -22,7 +22,9 @@ class ProductWriter {
     };
   }
 
-  std::string write_all(const fs::path& folder) { return write_cloud(folder) + write_grid(folder); }
+  std::string write_all(const fs::path& folder) {
+    return write_cloud(folder) + write_voxels(folder) + write_grid(folder);
+  }
 
  private:
   std::string write_cloud(const fs::path& folder) {
@@ -32,6 +34,14 @@ class ProductWriter {
         session_, folder / cloud_product_name, cloud_options(cloud, session_), pool_, show_);
     return text(
         "    %-16s%s points\n", cloud_product_name, with_commas(summary.points_written).c_str());
+  }
+
+  std::string write_voxels(const fs::path& folder) {
+    ExportVoxelsCommand voxels;
+    voxels.log = command_.log;
+    const VoxelExportSummary summary = export_voxels(
+        session_, folder / voxels_product_name, voxel_options(voxels, session_), pool_, show_);
+    return text("    %-16s%s\n", voxels_product_name, describe(summary).c_str());
   }
 
   std::string write_grid(const fs::path& folder) {

@@ -68,7 +68,7 @@ void append_columns(const CloudPoint& point,
 }
 
 std::string frame_comment(const CloudWriterOptions& options) {
-  std::string comment = "made by kissmap; frame map, metres";
+  std::string comment = "made by kissmap; frame " + options.frame + ", metres";
   if (!options.offset.isZero(0.0)) {
     comment += "; add to x y z:";
     for (const double value : options.offset) comment += " " + shortest_decimal(value);

@@ -68,8 +68,12 @@ OutputFile::~OutputFile() {
 
 void OutputFile::write(std::string_view bytes) {
   if (descriptor_ < 0) throw Error(Fault::internal, path_.string() + ": written after its end");
-  buffer_ += bytes;
   bytes_ += bytes.size();
+  if (bytes.size() >= buffer_size) {
+    flush();
+    return write_all(descriptor_, bytes, path_);
+  }
+  buffer_ += bytes;
   if (buffer_.size() >= buffer_size) flush();
 }
 

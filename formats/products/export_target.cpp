@@ -40,20 +40,34 @@ void require_options(const fs::path& output, const CloudExportOptions& options) 
   }
 }
 
-void require_target(const fs::path& output, const CloudExportOptions& options) {
+namespace {
+
+void require_folder_of(const fs::path& output) {
   std::error_code code;
   const fs::path folder = output.parent_path().empty() ? "." : output.parent_path();
   if (!fs::is_directory(folder, code)) throw output_error(folder, "is no folder; create it first");
   if (::access(folder.c_str(), W_OK) != 0) {
     throw output_error(folder, "cannot be written to; choose a folder you may write to");
   }
-  if (options.tile_size > 0) return require_tile_target(output, options.overwrite);
+}
+
+}  // namespace
+
+void require_target(const fs::path& output, const CloudExportOptions& options) {
+  if (options.tile_size == 0) return require_file_target(output, options.overwrite);
+  require_folder_of(output);
+  require_tile_target(output, options.overwrite);
+}
+
+void require_file_target(const fs::path& output, bool overwrite) {
+  require_folder_of(output);
+  std::error_code code;
   const fs::file_type type = fs::symlink_status(output, code).type();
   if (type == fs::file_type::not_found) return;
   if (type != fs::file_type::regular) {
     throw output_error(output, "is not a file and is not overwritten; choose another name");
   }
-  if (!options.overwrite) {
+  if (!overwrite) {
     throw output_error(output, "exists already; choose another name, or --overwrite it");
   }
 }

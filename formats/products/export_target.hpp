@@ -12,4 +12,7 @@ void require_options(const std::filesystem::path& output, const CloudExportOptio
 /// Throws Error(output) where the output could not be put in place: asked before hours of work.
 void require_target(const std::filesystem::path& output, const CloudExportOptions& options);
 
+/// The same for a single file.
+void require_file_target(const std::filesystem::path& output, bool overwrite);
+
 }  // namespace kissmap

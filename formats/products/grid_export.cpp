@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/files/output_file.hpp"
+#include "formats/products/export_resolution.hpp"
 #include "formats/products/grid_survey.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/grid/band_mapper.hpp"
@@ -27,12 +28,6 @@ std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.9g", value);
   return text;
-}
-
-/// The finer the nearer things are.
-double resolution_for(double mean_range) {
-  if (mean_range < 8.0) return 0.05;
-  return mean_range < 20.0 ? 0.1 : 0.2;
 }
 
 GridBand band_of(const GridExportOptions& options, double mean_range) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "formats/products/export_resolution.hpp"
 #include "kissmap/formats/session_replay.hpp"
 #include "kissmap/grid/levels.hpp"
 #include "kissmap/grid/wall_direction.hpp"
@@ -59,16 +60,14 @@ GridSurvey survey_session(const Session& session,
     survey.level_from_map = turned_along_walls(session, survey.level_from_map);
   }
   FloorSampler sampler(floor_cell, floor_reach);
-  double range_sum = 0.0;
-  std::uint64_t points = 0;
+  MeanRange mean_range;
   const auto look = [&](const PlacedScan& scan) {
     if (options.floor_reference) sampler.add(scan, survey.level_from_map);
     survey.path.push_back(survey.level_from_map * scan.map_from_lidar.translation);
-    for (const Eigen::Vector3f& point : scan.points) range_sum += static_cast<double>(point.norm());
-    points += scan.points.size();
+    mean_range.add(scan);
   };
   for_each_placed_scan(session, options, "looking for the floor", progress, look);
-  survey.mean_range = points == 0 ? 0.0 : range_sum / static_cast<double>(points);
+  survey.mean_range = mean_range.value();
   survey.samples = sampler.samples();
   survey.sensor_height = sensor_height(survey.path, survey.samples, floor_cell);
   survey.levels.assign(survey.path.size(), 0);

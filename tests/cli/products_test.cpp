@@ -52,15 +52,17 @@ class Products : public testing::Test {
 };
 
 TEST_F(Products, ARunWritesThemAndSaysSo) {
-  for (const char* name : {"cloud.pcd", "grid.pgm", "grid.yaml", "grid_look.png"}) {
+  for (const char* name : {"cloud.pcd", "voxels.bt", "grid.pgm", "grid.yaml", "grid_look.png"}) {
     EXPECT_GT(fs::file_size(session() / "products" / name), 100U) << name;
   }
-  for (const char* name : {"cloud.pcd", "grid.yaml"}) EXPECT_THAT(output_, HasSubstr(name));
+  for (const char* name : {"cloud.pcd", "voxels.bt", "grid.yaml"})
+    EXPECT_THAT(output_, HasSubstr(name));
   EXPECT_FALSE(fs::exists(session() / "products.partial"));
 }
 
 TEST_F(Products, ExportsOfTheSessionAreTheSame) {
   ASSERT_EQ(kissmap({"export-cloud", session(), "-o", path("cloud.pcd")}).exit_code, 0);
+  ASSERT_EQ(kissmap({"export-voxels", session(), "-o", path("voxels.bt")}).exit_code, 0);
   ASSERT_EQ(kissmap({"export-grid", session(), "-o", path("grid")}).exit_code, 0);
   EXPECT_EQ(content_of(folder_.path()), content_of(session() / "products"));
 }

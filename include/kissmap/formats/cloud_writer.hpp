@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "kissmap/cloud/map_point.hpp"
 
@@ -33,6 +34,7 @@ struct CloudWriterOptions {
   /// What coordinates are written relative to [m, map frame]. PCD and PLY, which hold single
   /// precision, name it in a comment; LAS has a place for it.
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  std::string frame = "map";        ///< PCD and PLY name it in a comment
   bool compress = false;            ///< PCD: binary_compressed. Others have no such thing
   std::uint64_t most_points = 0;    ///< no more than these will come; LAS is 1.4 where it has to be
   float most_intensity = 65535.0F;  ///< none is above it; LAS stretches 1 and 255 to 65535

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include <cstdio>
+
+#include "commands.hpp"
+#include "export_options.hpp"
+#include "paths.hpp"
+#include "progress.hpp"
+#include "report.hpp"
+
+namespace kissmap {
+namespace {
+
+void report(const std::filesystem::path& output,
+            const VoxelExportSummary& summary,
+            double seconds) {
+  const Eigen::Vector3d& t = summary.level_from_map.translation;
+  const Eigen::Quaterniond& q = summary.level_from_map.rotation;
+  std::printf("%s\n", printable(output.string()).c_str());
+  std::printf("  voxels      %s\n", describe(summary).c_str());
+  std::printf("  rays        %s of %s scans",
+              with_commas(summary.rays).c_str(),
+              with_commas(summary.scans).c_str());
+  if (summary.skipped_rays > 0) {
+    std::printf(", %s skipped", with_commas(summary.skipped_rays).c_str());
+  }
+  std::printf("\n  frame       levelled; from the map frame by x y z qx qy qz qw\n");
+  std::printf("              %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n",
+              t.x(),
+              t.y(),
+              t.z(),
+              q.x(),
+              q.y(),
+              q.z(),
+              q.w());
+  std::printf("  memory      %.1f MB\n", 1e-6 * static_cast<double>(summary.memory_bytes));
+  std::printf("  time        %.1f s\n", seconds);
+}
+
+}  // namespace
+
+VoxelExportOptions voxel_options(const ExportVoxelsCommand& command, const Session& session) {
+  const Configuration configuration = configuration_of_session(session.path);
+  VoxelExportOptions options;
+  options.min_range = configuration.odometry.min_range;
+  options.max_range = configuration.odometry.max_range;
+  options.resolution = command.resolution;
+  options.threshold = command.threshold;
+  options.no_return_range = command.no_return_range;
+  options.overwrite = command.overwrite;
+  options.moved_log = command.log;
+  return options;
+}
+
+std::string describe(const VoxelExportSummary& summary) {
+  return text("%s occupied, %s free, of %g m",
+              with_commas(summary.occupied).c_str(),
+              with_commas(summary.free).c_str(),
+              summary.resolution);
+}
+
+void export_voxels(const ExportVoxelsCommand& command) {
+  const Session session = read_session(command.session);
+  const VoxelExportOptions options = voxel_options(command, session);
+  require_outside(command.output, command.session, "the session");
+  require_outside(
+      command.output, command.log.empty() ? session.manifest.log.path : command.log, "the log");
+  ThreadPool pool(command.threads);
+  VoxelExportSummary summary;
+  double seconds = 0.0;
+  {
+    ProgressLine line(!command.quiet);
+    summary = export_voxels(
+        session,
+        command.output,
+        options,
+        pool,
+        [&line](const char* what, std::uint64_t done, std::uint64_t of) {
+          line.show(
+              text("%s: %s/%s scans", what, with_commas(done).c_str(), with_commas(of).c_str()));
+        });
+    seconds = line.seconds();
+  }
+  if (!command.quiet) report(command.output, summary, seconds);
+}
+
+}  // namespace kissmap
