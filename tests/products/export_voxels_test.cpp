@@ -104,9 +104,10 @@ TEST_F(ExportVoxels, TheGroundIsAtZero) {
   const CloudTable centers = read_cloud(path("v.pcd"));
   std::map<int, int> layers;
   for (std::size_t i = 0; i < centers.rows.size(); ++i) ++layers[indices(position(centers, i))[2]];
-  int ground = layers[-1] + layers[0];
+  const int ground = layers[-1] + layers[0];
   for (const auto& [layer, count] : layers) {
-    if (layer < -2 || layer > 1) EXPECT_LT(count, ground / 4) << layer;
+    if (layer >= -2 && layer <= 1) continue;  // the ground, and beside it
+    EXPECT_LT(count, ground / 4) << layer;
   }
 }
 
