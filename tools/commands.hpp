@@ -88,6 +88,7 @@ struct ExportGridCommand {
   std::vector<double> crop;         ///< x_min, y_min, x_max, y_max [m]; or empty
   bool connected = false;
   bool align_axes = false;
+  double max_memory = 4.0;  ///< GB
   int threads = 0;
   bool overwrite = false;
   bool quiet = false;
@@ -101,6 +102,8 @@ struct ExportVoxelsCommand {
   double resolution = 0.0;  ///< m; 0: by how near things are
   double threshold = 0.5;
   double no_return_range = 0.0;  ///< m; 0: off
+  std::string frame = "level";
+  double max_memory = 4.0;  ///< GB
   int threads = 0;
   bool overwrite = false;
   bool quiet = false;
@@ -118,6 +121,7 @@ struct ExportCloudCommand {
   std::filesystem::path crop_polygon;
   std::optional<double> z_min;  ///< m
   std::optional<double> z_max;
+  std::string frame = "level";
   int tile_size = 0;  ///< m; 0: no tiles
   int threads = 0;
   bool remove_outliers = false;

@@ -32,7 +32,9 @@ void declare_what(CLI::App& command, ExportCloudCommand& c) {
       ->type_name("height")
       ->check(CLI::IsMember({"height"}))
       ->group(group);
-  command.add_option("--crop", c.crop, "only what is inside this rectangle of the map [m]")
+  command
+      .add_option(
+          "--crop", c.crop, "only what is inside this rectangle, in the frame of the cloud [m]")
       ->type_name("XMIN,YMIN,XMAX,YMAX")
       ->group(group);
   command
@@ -75,6 +77,7 @@ CLI::App& declare_export_cloud(CLI::App& app, ExportCloudCommand& c) {
       ->check(CLI::Range(1, 100000));
   command.add_flag(
       "--compress", c.compress, "write .pcd files as binary_compressed, 4 GiB of points at most");
+  declare_frame(command, c);
   declare_how(command, c, "replace FILE, or a folder that holds only tiles");
   declare_what(command, c);
   return command;

@@ -36,6 +36,8 @@ CLI::App& declare_export_voxels(CLI::App& app, ExportVoxelsCommand& c) {
                   "rays of which nothing came back are free up to here, where the log tells them "
                   "[m]; black paint and glass swallow rays, too (0: they say nothing)")
       ->type_name("M");
+  declare_frame(command, c);
+  declare_max_memory(command, c);
   declare_how(command, c, "replace FILE");
   return command;
 }

@@ -18,6 +18,29 @@ void declare_how_computed(CLI::App& command, Command& c) {
   command.add_flag("--quiet", c.quiet, "print errors only");
 }
 
+/// Declares --frame.
+template <typename Command>
+void declare_frame(CLI::App& command, Command& c) {
+  command
+      .add_option("--frame",
+                  c.frame,
+                  "level: upright, z = 0 on the ground where the first local map lies, as "
+                  "export-grid; map: that of trajectory.tum (level)")
+      ->type_name("level|map")
+      ->check(CLI::IsMember({"level", "map"}));
+}
+
+/// Declares --max-memory.
+template <typename Command>
+void declare_max_memory(CLI::App& command, Command& c) {
+  command
+      .add_option("--max-memory",
+                  c.max_memory,
+                  "memory of the voxels that rays are cast into [GB]; a larger map is made in "
+                  "parts, each from a pass over the log, and is the same in the end (4)")
+      ->type_name("GB");
+}
+
 /// Declares what every export takes, however it is made: that, and --overwrite.
 template <typename Command>
 void declare_how(CLI::App& command, Command& c, const char* what_is_replaced) {

@@ -96,12 +96,8 @@ void report(const std::filesystem::path& output,
         "  tiles       %s of %d m\n", with_commas(summary.tiles).c_str(), options.tile_size);
   }
   std::printf("  fields      %s\n", list_of(summary.fields).c_str());
-  if (!summary.offset_file.empty()) {
-    std::printf(
-        "  take care   coordinates lack what is in %s: the map is too far from its origin "
-        "for single precision\n",
-        printable(summary.offset_file.string()).c_str());
-  }
+  std::printf("%s", describe_frame(options.frame, summary.frame_from_map).c_str());
+  std::printf("%s", describe_offset(summary.offset_file).c_str());
   std::printf("  time        %.1f s\n", seconds);
 }
 
@@ -118,6 +114,7 @@ CloudExportOptions cloud_options(const ExportCloudCommand& command, const Sessio
   options.fields.rgb = !command.colour.empty();
   options.remove_outliers = command.remove_outliers;
   options.compress = command.compress;
+  options.frame = frame_named(command.frame);
   options.tile_size = command.tile_size;
   options.overwrite = command.overwrite;
   options.moved_log = command.log;

@@ -55,6 +55,7 @@ GridExportOptions grid_options(const ExportGridCommand& command, const Session& 
     options.crop = Eigen::AlignedBox2d(Eigen::Vector2d(command.crop[0], command.crop[1]),
                                        Eigen::Vector2d(command.crop[2], command.crop[3]));
   }
+  options.max_memory = bytes_of(command.max_memory);
   options.overwrite = command.overwrite;
   options.moved_log = command.log;
   return options;

@@ -11,10 +11,9 @@ namespace kissmap {
 namespace {
 
 void report(const std::filesystem::path& output,
+            ProductFrame frame,
             const VoxelExportSummary& summary,
             double seconds) {
-  const Eigen::Vector3d& t = summary.level_from_map.translation;
-  const Eigen::Quaterniond& q = summary.level_from_map.rotation;
   std::printf("%s\n", printable(output.string()).c_str());
   std::printf("  voxels      %s\n", describe(summary).c_str());
   std::printf("  rays        %s of %s scans",
@@ -23,16 +22,18 @@ void report(const std::filesystem::path& output,
   if (summary.skipped_rays > 0) {
     std::printf(", %s skipped", with_commas(summary.skipped_rays).c_str());
   }
-  std::printf("\n  frame       levelled; from the map frame by x y z qx qy qz qw\n");
-  std::printf("              %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n",
-              t.x(),
-              t.y(),
-              t.z(),
-              q.x(),
-              q.y(),
-              q.z(),
-              q.w());
-  std::printf("  memory      %.1f MB\n", 1e-6 * static_cast<double>(summary.memory_bytes));
+  std::printf("\n  memory      %.1f MB at most", 1e-6 * static_cast<double>(summary.peak_memory));
+  if (summary.area > 0.0) {
+    std::printf(", %.0f bytes for each of %.0f m2 seen from above",
+                static_cast<double>(summary.memory) / summary.area,
+                summary.area);
+  }
+  if (summary.passes > 1) {
+    std::printf(", %s passes over the log", with_commas(summary.passes).c_str());
+  }
+  std::printf("\n%s%s",
+              describe_frame(frame, summary.frame_from_map).c_str(),
+              describe_offset(summary.offset_file).c_str());
   std::printf("  time        %.1f s\n", seconds);
 }
 
@@ -46,6 +47,8 @@ VoxelExportOptions voxel_options(const ExportVoxelsCommand& command, const Sessi
   options.resolution = command.resolution;
   options.threshold = command.threshold;
   options.no_return_range = command.no_return_range;
+  options.frame = frame_named(command.frame);
+  options.max_memory = bytes_of(command.max_memory);
   options.overwrite = command.overwrite;
   options.moved_log = command.log;
   return options;
@@ -80,7 +83,7 @@ void export_voxels(const ExportVoxelsCommand& command) {
         });
     seconds = line.seconds();
   }
-  if (!command.quiet) report(command.output, summary, seconds);
+  if (!command.quiet) report(command.output, options.frame, summary, seconds);
 }
 
 }  // namespace kissmap

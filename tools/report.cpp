@@ -2,8 +2,11 @@
 #include "report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
+
+#include "kissmap/error.hpp"
 
 namespace kissmap {
 
@@ -73,6 +76,41 @@ std::string describe_loops(const std::vector<Closure>& closures) {
   return text("  loops       %s closed, of %s candidates\n",
               with_commas(static_cast<std::uint64_t>(closed)).c_str(),
               with_commas(closures.size()).c_str());
+}
+
+ProductFrame frame_named(const std::string& name) {
+  return name == name_of(ProductFrame::map) ? ProductFrame::map : ProductFrame::level;
+}
+
+std::string describe_frame(ProductFrame frame, const Rigid3& frame_from_map) {
+  const Eigen::Vector3d& t = frame_from_map.translation;
+  const Eigen::Quaterniond& q = frame_from_map.rotation;
+  if (t.isZero(0.0) && q.vec().isZero(0.0)) return {};
+  return text(
+      "  frame       %s; from the session's map frame by x y z qx qy qz qw\n"
+      "              %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n",
+      name_of(frame),
+      t.x(),
+      t.y(),
+      t.z(),
+      q.x(),
+      q.y(),
+      q.z(),
+      q.w());
+}
+
+std::string describe_offset(const std::filesystem::path& offset_file) {
+  if (offset_file.empty()) return {};
+  return "  take care   coordinates lack what is in " + printable(offset_file.string()) +
+         ": the map is too far from its origin for single precision\n";
+}
+
+std::uint64_t bytes_of(double gigabytes) {
+  constexpr double most = 1e6;
+  if (!(gigabytes > 0.0 && gigabytes <= most)) {
+    throw usage_error("--max-memory = " + text("%g", gigabytes) + " is not above 0 GB");
+  }
+  return static_cast<std::uint64_t>(std::ceil(1e9 * gigabytes));
 }
 
 std::string describe(const PackSummary& pack) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "kissmap/formats/product_frame.hpp"
 #include "kissmap/formats/session.hpp"
 
 namespace kissmap {
@@ -21,6 +22,18 @@ std::string describe_refusals(const SessionCounts& counts);
 
 /// How many of the candidates became closures, a line.
 std::string describe_loops(const std::vector<Closure>& closures);
+
+/// By its name on the command line.
+ProductFrame frame_named(const std::string& name);
+
+/// Where a product lies beside trajectory.tum, in lines; empty if in the same frame.
+std::string describe_frame(ProductFrame frame, const Rigid3& frame_from_map);
+
+/// That coordinates lack an offset, a line; empty if they lack none.
+std::string describe_offset(const std::filesystem::path& offset_file);
+
+/// Of --max-memory. Throws Error(usage) for what is no size.
+std::uint64_t bytes_of(double gigabytes);
 
 /// "2.4 bytes/point" and so on.
 std::string describe(const PackSummary& pack);

@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/formats/cloud_writer.hpp"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 
 #include "formats/clouds/point_columns.hpp"
+#include "formats/text/lower_case.hpp"
 #include "kissmap/error.hpp"
 
 namespace kissmap {
-namespace {
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return text;
-}
-
-}  // namespace
 
 std::string shortest_decimal(double value) {
   std::array<char, 32> buffer{};
@@ -77,7 +67,7 @@ std::string frame_comment(const CloudWriterOptions& options) {
 }
 
 std::optional<CloudFormat> cloud_format(const std::filesystem::path& path) {
-  const std::string ending = lower(path.extension().string());
+  const std::string ending = lower_case(path.extension().string());
   if (ending == ".pcd") return CloudFormat::pcd;
   if (ending == ".ply") return CloudFormat::ply;
   if (ending == ".las") return CloudFormat::las;

@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <optional>
 #include <string>
-#include <system_error>
 
-#include "formats/files/output_file.hpp"
 #include "formats/pictures/height_colour.hpp"
 #include "formats/pictures/map_raster.hpp"
 #include "formats/products/cloud_frame.hpp"
 #include "formats/products/export_target.hpp"
+#include "formats/products/offset_file.hpp"
 #include "formats/products/session_points.hpp"
 #include "formats/products/tile_folder.hpp"
 #include "formats/session/session_folder.hpp"
@@ -27,18 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t year_2001_ns = 1'000'000'000'000'000'000;
-
-fs::path offset_path(const fs::path& output) {
-  return output.string() + ".offset.txt";
-}
-
-/// An offset that belonged to a cloud now replaced would move the new one.
-void remove_stale_offset(const fs::path& output) {
-  std::string begin(std::string_view(offset_file_begin).size(), '\0');
-  std::ifstream(offset_path(output)).read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  std::error_code ignored;
-  if (begin == offset_file_begin) fs::remove(offset_path(output), ignored);
-}
 
 Error nothing_left(const Session& session, const CloudExportOptions& options) {
   const auto from = [](double range) { return std::to_string(range); };
@@ -91,6 +77,7 @@ class Exporter {
     const Eigen::AlignedBox3d reach = reach_of(session_, options_.max_range);
     writes_las_ = options_.tile_size == 0 && cloud_format(output_) == CloudFormat::las;
     writer_.compress = options_.compress;
+    writer_.frame = name_of(options_.frame);
     writer_.unix_time =
         !session_.scans.empty() && session_.scans.front().mapped.pose_stamp_ns > year_2001_ns;
     writer_.offset = writes_las_ ? whole_metre_centre(reach) : single_precision_offset(reach);
@@ -115,11 +102,7 @@ class Exporter {
   }
 
   void finish(CloudWriter& writer) {
-    remove_stale_offset(output_);
-    if (!summary_.offset.isZero(0.0)) {
-      summary_.offset_file = offset_path(output_);
-      write_whole_file(summary_.offset_file, offset_text(summary_.offset));
-    }
+    summary_.offset_file = write_offset_file(output_, summary_.offset);
     writer.finish();
   }
 
@@ -216,7 +199,11 @@ CloudExportSummary export_cloud(const Session& session,
   const fs::path target = folder_path(output);  // "tiles/" is "tiles"
   require_options(target, options);
   require_target(target, options);
-  return Exporter(session, target, options, pool, progress).run();
+  const Rigid3 product_from_map = frame_from_map(session, options.frame);
+  const Session placed = moved(session, product_from_map);
+  CloudExportSummary summary = Exporter(placed, target, options, pool, progress).run();
+  summary.frame_from_map = product_from_map;
+  return summary;
 }
 
 }  // namespace kissmap

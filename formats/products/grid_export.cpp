@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "formats/files/output_file.hpp"
-#include "formats/products/export_resolution.hpp"
+#include "formats/products/cast_in_parts.hpp"
 #include "formats/products/grid_survey.hpp"
+#include "formats/products/resolution.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/grid/band_mapper.hpp"
 
@@ -30,15 +31,18 @@ std::string number(double value) {
   return text;
 }
 
-GridBand band_of(const GridExportOptions& options, double mean_range) {
-  const double resolution =
-      options.resolution == 0.0 ? resolution_for(mean_range) : options.resolution;
+GridBand band_of(const GridExportOptions& options, double resolution) {
   return {options.z_min, options.z_max, resolution, options.max_range};
+}
+
+double resolution_of(const GridExportOptions& options, const Session& session) {
+  if (options.resolution != 0.0) return options.resolution;
+  return fitting_resolution(session, options.min_range, options.max_range, options.moved_log);
 }
 
 void require_options(const GridExportOptions& options) {
   require_valid(options.rule);
-  require_valid(band_of(options, 0.0));
+  require_valid(band_of(options, options.resolution == 0.0 ? 0.05 : options.resolution));
   if (!options.crop) return;
   const Eigen::Vector2d size = options.crop->max() - options.crop->min();
   if (!(size.minCoeff() > 0.0)) {
@@ -91,23 +95,33 @@ std::vector<std::string> comments(const GridExportOptions& options, const Rigid3
           pose};
 }
 
-/// The maps of all storeys, in one pass over the log.
+/// The maps of all storeys.
 std::vector<GridMap> cast_rays(const Session& session,
                                const GridExportOptions& options,
                                const GridSurvey& survey,
                                ThreadPool& pool,
                                const ExportProgress& progress) {
-  const GridBand band = band_of(options, survey.mean_range);
+  const GridBand band = band_of(options, resolution_of(options, session));
   std::deque<BandMapper> mappers;
+  std::vector<OccupancyMap*> voxels;
   for (std::uint32_t level = 0; level < survey.level_count; ++level) {
     mappers.emplace_back(survey.floor_of(level), band, options.belief);
+    voxels.push_back(&mappers.back().voxels());
   }
-  const auto cast = [&](const PlacedScan& scan) {
-    mappers[survey.levels[scan.scan_idx]].add(scan, survey.level_from_map, pool);
-  };
-  for_each_placed_scan(session, options, "casting rays", progress, cast);
-  std::vector<GridMap> maps;
-  for (const BandMapper& mapper : mappers) maps.push_back(mapper.grid(options.rule));
+  std::vector<GridMap> maps(mappers.size());
+  cast_in_parts(
+      session,
+      {options.min_range, options.max_range, options.moved_log, options.max_memory},
+      voxels,
+      progress,
+      [&](const PlacedScan& scan) {
+        mappers[survey.levels[scan.scan_idx]].add(scan, survey.level_from_map, pool);
+      },
+      [&] {
+        for (std::size_t level = 0; level < maps.size(); ++level) {
+          maps[level] = joined(maps[level], mappers[level].grid(options.rule));
+        }
+      });
   return maps;
 }
 

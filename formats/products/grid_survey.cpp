@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "formats/products/export_resolution.hpp"
 #include "kissmap/formats/session_replay.hpp"
 #include "kissmap/grid/levels.hpp"
 #include "kissmap/grid/wall_direction.hpp"
@@ -60,14 +59,11 @@ GridSurvey survey_session(const Session& session,
     survey.level_from_map = turned_along_walls(session, survey.level_from_map);
   }
   FloorSampler sampler(floor_cell, floor_reach);
-  MeanRange mean_range;
   const auto look = [&](const PlacedScan& scan) {
     if (options.floor_reference) sampler.add(scan, survey.level_from_map);
     survey.path.push_back(survey.level_from_map * scan.map_from_lidar.translation);
-    mean_range.add(scan);
   };
   for_each_placed_scan(session, options, "looking for the floor", progress, look);
-  survey.mean_range = mean_range.value();
   survey.samples = sampler.samples();
   survey.sensor_height = sensor_height(survey.path, survey.samples, floor_cell);
   survey.levels.assign(survey.path.size(), 0);

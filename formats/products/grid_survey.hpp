@@ -16,7 +16,6 @@ struct GridSurvey {
   SensorPath path;  ///< of the scans, level frame
   std::vector<FloorSample> samples;
   double sensor_height = 0.0;         ///< m above the floor; 0: no floor seen
-  double mean_range = 0.0;            ///< m
   std::vector<std::uint32_t> levels;  ///< of the scans
   std::uint32_t level_count = 1;
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "formats/clouds/point_columns.hpp"
 #include "formats/files/output_file.hpp"
+#include "formats/products/offset_file.hpp"
 #include "kissmap/error.hpp"
 
 namespace kissmap {
@@ -120,11 +120,6 @@ std::string metadata_of(const Tiles& tiles, int tile_size) {
 }
 
 }  // namespace
-
-std::string offset_text(const Eigen::Vector3d& offset) {
-  return offset_file_begin + shortest_decimal(offset.x()) + " " + shortest_decimal(offset.y()) +
-         " " + shortest_decimal(offset.z()) + "\n";
-}
 
 void require_tile_target(const fs::path& path, bool overwrite) {
   std::error_code code;

@@ -29,8 +29,4 @@ std::uint64_t write_tile_folder(const std::filesystem::path& path,
                                 const CloudWriterOptions& options,
                                 bool overwrite);
 
-/// "# add to x y z ...": the text of an offset file.
-std::string offset_text(const Eigen::Vector3d& offset);
-inline constexpr const char* offset_file_begin = "# add to x y z of the points [m]\n";
-
 }  // namespace kissmap

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/formats/session_replay.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -24,15 +25,18 @@ LogEntry find_entry(ScanLog& log, std::uint64_t log_index) {
 SessionReplay::SessionReplay(const Session& session,
                              double min_range,
                              double max_range,
-                             const std::filesystem::path& moved_to)
+                             const std::filesystem::path& moved_to,
+                             std::uint64_t every)
     : session_(session),
-      log_(read_ahead(open_session_log(session, moved_to))),
+      log_(open_session_log(session, moved_to)),
       min_range_(min_range),
-      max_range_(max_range) {
+      max_range_(max_range),
+      every_(every) {
+  if (every_ == 1) log_ = read_ahead(std::move(log_));
 }
 
 std::optional<PlacedScan> SessionReplay::next() {
-  if (next_idx_ == session_.scans.size()) return std::nullopt;
+  if (next_idx_ >= session_.scans.size()) return std::nullopt;
   const SessionScan& row = session_.scans[next_idx_];
   const LogEntry entry = find_entry(*log_, row.log_index);
   const auto* scan = std::get_if<Scan>(&entry.content);
@@ -44,7 +48,14 @@ std::optional<PlacedScan> SessionReplay::next() {
   }
   const MappedScan* before = next_idx_ == 0 ? nullptr : &session_.scans[next_idx_ - 1].mapped;
   PlacedScan placed = place_scan(*scan, before, row.mapped, min_range_, max_range_);
-  placed.scan_idx = next_idx_++;
+  placed.scan_idx = next_idx_;
+  next_idx_ += every_;
+  if (every_ > 1 && next_idx_ < session_.scans.size()) {
+    // Entries of the log lie apart by the session's own selection, refused ones among them.
+    const std::uint64_t apart = session_.scans[next_idx_].log_index - row.log_index;
+    const std::uint64_t step = std::max<std::uint64_t>(1, session_.manifest.log.selection.every);
+    if (apart > step) log_->skip(apart / step - 1);
+  }
   return placed;
 }
 

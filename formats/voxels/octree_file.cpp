@@ -28,11 +28,8 @@ static_assert(occupancy_block_side == 1 << (tree_depth - block_depth));
 class OctreeBuilder {
  public:
   /// Of a binary tree only the sign of a belief is kept.
-  OctreeBuilder(const OccupancyMap& map, bool binary)
-      : steps_(map.steps()),
-        binary_(binary),
-        unit_(binary ? 1.0 : steps_.unit),
-        tree_(map.geometry().voxel_size.x()) {}
+  OctreeBuilder(double resolution, const LogOddsSteps& steps, bool binary)
+      : steps_(steps), binary_(binary), unit_(binary ? 1.0 : steps_.unit), tree_(resolution) {}
 
   void add(const OccupancyBlock& block) {
     for (std::size_t i = 0; i < beliefs_.size(); ++i) beliefs_[i] = kept(block.values[i]);
@@ -125,18 +122,55 @@ class OctreeBuilder {
   std::array<LogOdds, 512> beliefs_{};
 };
 
-void require_reach(const OccupancyMap& map,
-                   const OccupancyBlock& block,
-                   const std::filesystem::path& path) {
-  const std::int32_t last = key_of_zero - occupancy_block_side;
-  const auto outside = [&](std::int32_t index) { return index < -key_of_zero || index > last; };
-  if (!outside(block.first.x) && !outside(block.first.y) && !outside(block.first.z)) return;
-  std::ostringstream message;
-  message << path.string() << ": OctoMap reaches " << key_of_zero * map.geometry().voxel_size.x()
-          << " m from the origin with voxels of " << map.geometry().voxel_size.x()
-          << " m, the map goes farther; take a coarser --resolution, or write .vdb";
-  throw usage_error(message.str());
-}
+class OctreeWriter : public VoxelWriter {
+ public:
+  OctreeWriter(const std::filesystem::path& path, const VoxelWriterOptions& options, bool binary)
+      : path_(path),
+        binary_(binary),
+        resolution_(options.geometry.voxel_size.x()),
+        file_(path),
+        builder_(resolution_, LogOddsSteps::from(options.log_odds), binary) {}
+
+  void add(const OccupancyMap& part) override {
+    part.for_each_block([this](const OccupancyBlock& block) {
+      require_reach(block);
+      builder_.add(block);
+    });
+  }
+
+  void finish() override {
+    const octomap::OcTree& tree = builder_.finish();
+    std::ostringstream bytes;
+    bytes.imbue(std::locale::classic());
+    // OctoMap's writeBinary() writes the same and chats on stderr.
+    bytes << (binary_ ? "# Octomap OcTree binary file\n" : "# Octomap OcTree file\n") << "id "
+          << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << resolution_
+          << "\ndata\n";
+    if (!(binary_ ? tree.writeBinaryData(bytes) : tree.writeData(bytes))) {
+      throw output_error(path_, "OctoMap could not write the tree; free some memory");
+    }
+    file_.write(bytes.view());
+    file_.publish({});
+  }
+
+ private:
+  void require_reach(const OccupancyBlock& block) const {
+    const std::int32_t last = key_of_zero - occupancy_block_side;
+    const auto outside = [&](std::int32_t index) { return index < -key_of_zero || index > last; };
+    if (!outside(block.first.x) && !outside(block.first.y) && !outside(block.first.z)) return;
+    std::ostringstream message;
+    message << path_.string() << ": OctoMap reaches " << key_of_zero * resolution_
+            << " m from the origin with voxels of " << resolution_
+            << " m, the map goes farther; take a coarser --resolution, or write .vdb";
+    throw usage_error(message.str());
+  }
+
+  std::filesystem::path path_;
+  bool binary_;
+  double resolution_;
+  AsideFile file_;
+  OctreeBuilder builder_;
+};
 
 void require_cubes(const OccupancyGeometry& geometry, const std::filesystem::path& path) {
   const bool cubes = (geometry.voxel_size.array() == geometry.voxel_size.x()).all();
@@ -147,22 +181,11 @@ void require_cubes(const OccupancyGeometry& geometry, const std::filesystem::pat
 
 }  // namespace
 
-void write_octree(const OccupancyMap& map, bool binary, const std::filesystem::path& path) {
-  require_cubes(map.geometry(), path);
-  AsideFile file(path);
-  OctreeBuilder builder(map, binary);
-  map.for_each_block([&](const OccupancyBlock& block) {
-    require_reach(map, block, path);
-    builder.add(block);
-  });
-  const octomap::OcTree& tree = builder.finish();
-  std::ostringstream bytes;
-  bytes.imbue(std::locale::classic());
-  if (!(binary ? tree.writeBinaryConst(bytes) : tree.write(bytes))) {
-    throw output_error(path, "OctoMap could not write the tree; free some memory");
-  }
-  file.write(bytes.view());
-  file.publish({});
+std::unique_ptr<VoxelWriter> open_octree_writer(const std::filesystem::path& path,
+                                                const VoxelWriterOptions& options,
+                                                bool binary) {
+  require_cubes(options.geometry, path);
+  return std::make_unique<OctreeWriter>(path, options, binary);
 }
 
 }  // namespace kissmap

@@ -2,8 +2,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
 #include <sstream>
 #include <string>
 
@@ -38,7 +37,9 @@ class MemoryArchive : public openvdb::io::Archive {
     const std::string tag = getUniqueTag();
     const std::size_t place = file.find(tag);
     if (tag.empty() || place > 64) return;
-    file.replace(place, tag.size(), tag.size(), '0');
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+      if (tag[i] != '-') file[place + i] = '0';
+    }
     const std::string digits = xxh3_hex(file);
     for (std::size_t i = 0, used = 0; i < tag.size() && used < digits.size(); ++i) {
       if (tag[i] != '-') file[place + i] = digits[used++];
@@ -50,7 +51,18 @@ openvdb::Coord coord(const Voxel& voxel) {
   return {voxel.x, voxel.y, voxel.z};
 }
 
+/// Whether all voxels are known alike.
+bool is_uniform(const OccupancyBlock& block) {
+  return block.values[0] != unknown_log_odds &&
+         std::ranges::all_of(block.values, [&](LogOdds v) { return v == block.values[0]; });
+}
+
 void add_block(const OccupancyBlock& block, double unit, openvdb::FloatTree& tree) {
+  if (is_uniform(block)) {
+    constexpr openvdb::Index level_of_blocks = 1;
+    const auto value = static_cast<float>(unit * block.values[0]);
+    return tree.addTile(level_of_blocks, coord(block.first), value, true);
+  }
   Leaf* leaf = tree.touchLeaf(coord(block.first));
   for (std::uint32_t i = 0; i < 512; ++i) {
     const LogOdds value = block.values[i];
@@ -71,10 +83,9 @@ openvdb::math::Transform::Ptr transform_of(const OccupancyGeometry& geometry) {
   return transform;
 }
 
-void describe(const OccupancyMap& map,
-              const VoxelWriterOptions& options,
+void describe(const VoxelWriterOptions& options,
+              const LogOddsSteps& steps,
               openvdb::FloatGrid& grid) {
-  const LogOddsSteps& steps = map.steps();
   const auto number = [&grid](const char* name, double value) {
     grid.insertMeta(name, openvdb::DoubleMetadata(value));
   };
@@ -82,7 +93,7 @@ void describe(const OccupancyMap& map,
   grid.setCreator(std::string("kissmap ") + version());
   grid.insertMeta("frame", openvdb::StringMetadata(options.frame));
   grid.insertMeta("values", openvdb::StringMetadata("log-odds of being occupied"));
-  number("resolution", map.geometry().voxel_size.x());
+  number("resolution", options.geometry.voxel_size.x());
   number("occupied_above", steps.unit * steps.occupied);
   number("hit", steps.unit * steps.hit);
   number("miss", -steps.unit * steps.miss);
@@ -90,21 +101,38 @@ void describe(const OccupancyMap& map,
   number("highest", steps.unit * steps.max);
 }
 
+class VdbWriter : public VoxelWriter {
+ public:
+  VdbWriter(const std::filesystem::path& path, const VoxelWriterOptions& options)
+      : file_(path), steps_(LogOddsSteps::from(options.log_odds)) {
+    openvdb::initialize();
+    grid_ = openvdb::FloatGrid::create(0.0F);
+    grid_->setTransform(transform_of(options.geometry));
+    describe(options, steps_, *grid_);
+  }
+
+  void add(const OccupancyMap& part) override {
+    part.for_each_block(
+        [this](const OccupancyBlock& block) { add_block(block, steps_.unit, grid_->tree()); });
+  }
+
+  void finish() override {
+    grid_->tree().prune();
+    file_.write(MemoryArchive().write_grid(grid_));
+    file_.publish({});
+  }
+
+ private:
+  AsideFile file_;
+  LogOddsSteps steps_;
+  openvdb::FloatGrid::Ptr grid_;
+};
+
 }  // namespace
 
-void write_vdb(const OccupancyMap& map,
-               const std::filesystem::path& path,
-               const VoxelWriterOptions& options) {
-  AsideFile file(path);
-  openvdb::initialize();
-  const auto grid = openvdb::FloatGrid::create(0.0F);
-  grid->setTransform(transform_of(map.geometry()));
-  describe(map, options, *grid);
-  map.for_each_block(
-      [&](const OccupancyBlock& block) { add_block(block, map.steps().unit, grid->tree()); });
-  grid->tree().prune();
-  file.write(MemoryArchive().write_grid(grid));
-  file.publish({});
+std::unique_ptr<VoxelWriter> open_vdb_writer(const std::filesystem::path& path,
+                                             const VoxelWriterOptions& options) {
+  return std::make_unique<VdbWriter>(path, options);
 }
 
 }  // namespace kissmap

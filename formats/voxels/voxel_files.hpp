@@ -5,13 +5,13 @@
 
 namespace kissmap {
 
-/// One function a format; see write_voxels().
-void write_octree(const OccupancyMap& map, bool binary, const std::filesystem::path& path);
-void write_vdb(const OccupancyMap& map,
-               const std::filesystem::path& path,
-               const VoxelWriterOptions& options);
-void write_voxel_cloud(const OccupancyMap& map,
-                       const std::filesystem::path& path,
-                       const VoxelWriterOptions& options);
+/// One function a format; see open_voxel_writer().
+std::unique_ptr<VoxelWriter> open_octree_writer(const std::filesystem::path& path,
+                                                const VoxelWriterOptions& options,
+                                                bool binary);
+std::unique_ptr<VoxelWriter> open_vdb_writer(const std::filesystem::path& path,
+                                             const VoxelWriterOptions& options);
+std::unique_ptr<VoxelWriter> open_voxel_cloud_writer(const std::filesystem::path& path,
+                                                     const VoxelWriterOptions& options);
 
 }  // namespace kissmap

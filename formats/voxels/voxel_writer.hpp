@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -21,21 +23,34 @@ std::optional<VoxelFormat> voxel_format(const std::filesystem::path& path);
 Error wrong_voxel_ending(const std::filesystem::path& path);
 
 struct VoxelWriterOptions {
-  std::string frame = "map";  ///< noted in the file where its format has a place for it
+  OccupancyGeometry geometry;  ///< of all parts
+  LogOddsOptions log_odds;     ///< of all parts; occupied is what they say
+  std::string frame = "map";   ///< noted in the file where its format has a place for it
+  /// m, what coordinates in .pcd and .ply are relative to, which hold single precision
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 };
 
-/// Replaces whatever file `path` is; it appears whole or not at all. By the ending of `path`:
+/// A file that appears when it is finished, in place of whatever had its name, or not at all.
+class VoxelWriter {
+ public:
+  virtual ~VoxelWriter() = default;
+  /// Parts share no block. Throws Error(usage) where a voxel lies beyond OctoMap's reach.
+  virtual void add(const OccupancyMap& part) = 0;
+  virtual void finish() = 0;
+};
+
+/// By the ending of `path`:
 /// .bt   OctoMap, occupied or free for each known voxel
 /// .ot   OctoMap, log-odds of each known voxel
 /// .vdb  OpenVDB, FloatGrid "occupancy": log-odds, background 0, active where known; index (i,j,k)
 ///       lies at the centre of voxel (i,j,k)
 /// .pcd, .ply  centres of occupied voxels, their probability as intensity
-/// Occupied is what map.steps() says. Same map, same bytes. Takes memory for the file and for a
-/// tree of 16 to 80 bytes a node, cloud files for neither.
-/// Throws Error(usage) for other endings and, for OctoMap, where a voxel lies beyond its reach of
-/// 2^15 voxels or the map's voxels are not cubes that begin at 0; Error(output) naming the file.
-void write_voxels(const OccupancyMap& map,
-                  const std::filesystem::path& path,
-                  const VoxelWriterOptions& options);
+/// Same parts, same bytes; for trees also if the same voxels came in other parts. Trees are kept in
+/// memory until the end: a block of 8^3 voxels takes 16 to 80 bytes a node in OctoMap, 2.1 kB in
+/// OpenVDB, in both next to nothing where all its voxels hold the same belief.
+/// Throws Error(usage) for other endings and, for OctoMap, where voxels are not cubes that begin at
+/// 0; Error(output) naming the file, as the writer does.
+std::unique_ptr<VoxelWriter> open_voxel_writer(const std::filesystem::path& path,
+                                               const VoxelWriterOptions& options);
 
 }  // namespace kissmap

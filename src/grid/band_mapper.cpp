@@ -6,7 +6,6 @@
 
 #include "grid/bent_ray.hpp"
 #include "grid/column_projection.hpp"
-#include "kissmap/occupancy/occupancy_map.hpp"
 #include "occupancy/scan_rays.hpp"
 #include "options.hpp"
 
@@ -80,6 +79,8 @@ class BandMapper::Impl {
 
   GridMap grid(const ColumnRule& rule) const { return project_columns(voxels_, rule); }
 
+  OccupancyMap& voxels() { return voxels_; }
+
  private:
   /// The free part of a ray as pieces that are no hits, its end as a hit without a way to it.
   void bend(const ScanRays& rays, std::size_t i, ScanRays& bent) const {
@@ -142,6 +143,10 @@ void BandMapper::add(const PlacedScan& scan, const Rigid3& level_from_map, Threa
 
 GridMap BandMapper::grid(const ColumnRule& rule) const {
   return impl_->grid(rule);
+}
+
+OccupancyMap& BandMapper::voxels() {
+  return impl_->voxels();
 }
 
 }  // namespace kissmap

@@ -118,6 +118,36 @@ std::size_t keep_connected_free(std::span<const Eigen::Vector2d> path, GridMap& 
   return changed;
 }
 
+GridMap joined(const GridMap& a, const GridMap& b) {
+  if (a.cells.empty()) return b;
+  if (b.cells.empty()) return a;
+  const auto first_cell = [](const GridMap& map) -> Eigen::Vector2i {
+    return (map.corner / map.resolution).array().round().cast<int>();
+  };
+  const auto end_cell = [&](const GridMap& map) -> Eigen::Vector2i {
+    return first_cell(map) + Eigen::Vector2i(map.width, map.height);
+  };
+  const Eigen::Vector2i first = first_cell(a).cwiseMin(first_cell(b));
+  const Eigen::Vector2i size = end_cell(a).cwiseMax(end_cell(b)) - first;
+  GridMap both;
+  both.resolution = a.resolution;
+  both.corner = first.cast<double>() * a.resolution;
+  both.width = size.x();
+  both.height = size.y();
+  both.cells.resize(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
+  for (const GridMap* map : {&a, &b}) {
+    const Eigen::Vector2i shift = first_cell(*map) - first;
+    for (int y = 0; y < map->height; ++y) {
+      for (int x = 0; x < map->width; ++x) {
+        const GridCell& cell = map->at(x, y);
+        if (cell.state == CellState::unknown && cell.probability == 0.5F) continue;
+        both.at(shift.x() + x, shift.y() + y) = cell;
+      }
+    }
+  }
+  return both;
+}
+
 GridMap cropped(const GridMap& map, const Eigen::AlignedBox2d& area) {
   // A border that lies on one between cells, but for rounding, is that one.
   constexpr double slack = 1e-6;

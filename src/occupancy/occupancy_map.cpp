@@ -17,6 +17,7 @@ using occupancy::TileMask;
 using occupancy::TileWork;
 
 static_assert(occupancy_block_side == occupancy::block_side);
+static_assert(occupancy_tile_side == occupancy::tile_side);
 
 class OccupancyMap::Tiles {
  public:
@@ -58,9 +59,13 @@ OccupancyUpdate OccupancyMap::add(const RayScan& scan, ThreadPool& pool) {
   const auto work = [&](std::span<const TileWork> tiles,
                         std::span<const occupancy::RayTrack> tracks) {
     std::vector<OccupancyTile*> targets;
-    for (const TileWork& tile : tiles) targets.push_back(&tiles_->get(tile.tile));
+    for (const TileWork& tile : tiles) {
+      const bool kept = box_.contains(voxel_from_key(tile.tile));
+      targets.push_back(kept ? &tiles_->get(tile.tile) : nullptr);
+    }
     std::vector<occupancy::TileCounts> counts(tiles.size());
     pool.for_each_chunk(tiles.size(), [&](std::size_t i) {
+      if (targets[i] == nullptr) return;
       TileMask hits{};
       TileMask misses{};
       tiles[i].mark_hits(hits);
@@ -72,10 +77,27 @@ OccupancyUpdate OccupancyMap::add(const RayScan& scan, ThreadPool& pool) {
       total.misses += c.misses;
     }
   };
-  OccupancyUpdate update = tiles_->caster.cast(scan, pool, work);
+  OccupancyUpdate update = tiles_->caster.cast(scan, box_, pool, work);
   update.hit_voxels = total.hits;
   update.missed_voxels = total.misses;
   return update;
+}
+
+void OccupancyMap::restrict_to(const TileBox& box) {
+  box_ = intersection(box_, box);
+  std::erase_if(tiles_->tiles,
+                [this](const auto& entry) { return !box_.contains(voxel_from_key(entry.first)); });
+}
+
+void OccupancyMap::start_over(const TileBox& box) {
+  tiles_->tiles.clear();
+  box_ = box;
+}
+
+std::vector<Voxel> OccupancyMap::tiles() const {
+  std::vector<Voxel> numbers;
+  for (const auto& [place, tile] : tiles_->in_order()) numbers.push_back(place);
+  return numbers;
 }
 
 LogOdds OccupancyMap::at(const Voxel& voxel) const {

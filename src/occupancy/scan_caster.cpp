@@ -33,6 +33,12 @@ std::size_t tiles_crossed(const Voxel& start, const Voxel& end) {
          1;
 }
 
+/// False if the straight way between two tiles is outside, by more than rounding can bend it.
+bool may_touch(const TileBox& box, const Voxel& a, const Voxel& b) {
+  return std::max(a.x, b.x) + 1 >= box.x_first && std::min(a.x, b.x) - 1 < box.x_end &&
+         std::max(a.y, b.y) + 1 >= box.y_first && std::min(a.y, b.y) - 1 < box.y_end;
+}
+
 void require_consistent(const RayScan& scan) {
   const std::size_t n = scan.starts.size();
   const auto parallel = [n](std::size_t size) { return size == 0 || size == n; };
@@ -58,7 +64,10 @@ void TileWork::mark_misses(std::span<const RayTrack> tracks, TileMask& mask) con
   }
 }
 
-OccupancyUpdate ScanCaster::cast(const RayScan& scan, ThreadPool& pool, const Work& work) {
+OccupancyUpdate ScanCaster::cast(const RayScan& scan,
+                                 const TileBox& box,
+                                 ThreadPool& pool,
+                                 const Work& work) {
   require_consistent(scan);
   const std::size_t rays = scan.starts.size();
   fates_.assign(rays, Fate::skipped);
@@ -82,8 +91,9 @@ OccupancyUpdate ScanCaster::cast(const RayScan& scan, ThreadPool& pool, const Wo
   const std::size_t passes =
       1 + pieces * bytes_per_piece / std::max<std::size_t>(1, options_.scratch_bytes);
   for (std::size_t pass = 0; pass < passes; ++pass) {
-    pool.for_each_chunk(parts_.size(),
-                        [&](std::size_t p) { cut_rays(scan, pass, passes, parts_[p]); });
+    pool.for_each_chunk(parts_.size(), [&](std::size_t p) {
+      cut_rays(scan, {pass, passes, box}, parts_[p]);
+    });
     work(collect(pass, passes), tracks_);
   }
   return update;
@@ -141,18 +151,21 @@ void ScanCaster::find_ends(const RayScan& scan, Part& part) {
   part.ends.gather();
 }
 
-void ScanCaster::cut_rays(const RayScan& scan, std::size_t pass, std::size_t passes, Part& part) {
+void ScanCaster::cut_rays(const RayScan& scan, const Pass& pass, Part& part) {
   part.pieces.clear();
   for (std::size_t i = part.begin; i < part.end; ++i) {
     if (fates_[i] != Fate::cast) continue;
     const IndexRay ray = index_ray(scan, i);
+    if (!may_touch(pass.box, tile_of(floor_of(ray.start)), tile_of(floor_of(ray.end)))) continue;
     const RayLine line =
         carved_line(ray.start, ray.end, protected_share(scan, i), geometry_.layers);
     if (!line.carves()) continue;
     tracks_[i] = track_of(line);
     cut_at_tiles(line, static_cast<std::uint32_t>(i), [&](const Voxel& tile, const RayPiece& p) {
       const VoxelKey key = voxel_key(tile);
-      if (pass_of(key, passes) == pass) part.pieces.add(key, p);
+      if (pass_of(key, pass.count) == pass.number && pass.box.contains(tile)) {
+        part.pieces.add(key, p);
+      }
     });
   }
   part.pieces.gather();

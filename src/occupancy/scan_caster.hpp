@@ -37,10 +37,10 @@ class ScanCaster {
   ScanCaster(const OccupancyGeometry& geometry, const OccupancyOptions& options)
       : geometry_(geometry), options_(options) {}
 
-  /// Calls work(tiles) once or more often; a tile is in one call at most. Fills all counts of the
-  /// update but those of voxels.
+  /// Calls work(tiles) once or more often; a tile is in one call at most. Outside `box` nothing is
+  /// carved, but hits are told. Fills all counts of the update but those of voxels.
   using Work = std::function<void(std::span<const TileWork>, std::span<const RayTrack>)>;
-  OccupancyUpdate cast(const RayScan& scan, ThreadPool& pool, const Work& work);
+  OccupancyUpdate cast(const RayScan& scan, const TileBox& box, ThreadPool& pool, const Work& work);
 
  private:
   struct Part {  // rays handled by one thread
@@ -60,7 +60,11 @@ class ScanCaster {
   bool in_layers(std::int32_t z) const;
   std::optional<double> protected_share(const RayScan& scan, std::size_t ray) const;
   void find_ends(const RayScan& scan, Part& part);
-  void cut_rays(const RayScan& scan, std::size_t pass, std::size_t passes, Part& part);
+  struct Pass {
+    std::size_t number, count;
+    TileBox box;
+  };
+  void cut_rays(const RayScan& scan, const Pass& pass, Part& part);
   void thin(std::span<const TileWork> ends, ThreadPool& pool);
   std::vector<TileWork> collect(std::size_t pass, std::size_t passes);
 

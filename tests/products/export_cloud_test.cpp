@@ -8,9 +8,8 @@
 #include <set>
 
 #include "kissmap/cloud/scan.hpp"
-#include "kissmap/formats/registry.hpp"
-#include "kissmap/formats/session.hpp"
 #include "products/cloud_table.hpp"
+#include "products/true_session.hpp"
 #include "simulator/log_folder.hpp"
 #include "simulator/scenario.hpp"
 #include "support/file_size_limit.hpp"
@@ -42,34 +41,6 @@ simulator::Scenario short_tour() {
   return scenario;
 }
 
-/// A session that has every scan of a log exactly where `place` says, without mapping.
-template <class Place>
-void write_true_session(const fs::path& log_path, const fs::path& path, Place&& place) {
-  SessionManifest manifest;
-  manifest.log.path = log_path;
-  manifest.configuration = "[odometry]\nmax_range = 30.0\nmin_range = 0.5\n";
-  SessionWriter writer(path, false);
-  const auto log = open_log(log_path);
-  while (const auto entry = log->next()) {
-    const Scan& scan = std::get<Scan>(entry->content);
-    SessionScan row;
-    row.log_index = entry->index;
-    row.mapped = place(scan);
-    row.mapped.points_read = scan.points.size();
-    writer.add_scan(row);
-    ++manifest.counts.scans_used;
-  }
-  manifest.log.format = log->info().format;
-  manifest.log.stamp_source = log->info().stamp_source;
-  manifest.log.files = log->files();
-  LocalMap map;
-  map.scan_count = manifest.counts.scans_used;
-  map.surfels.means = {{0.0F, 0.0F, -1.0F}, {1.0F, 0.0F, 2.0F}};
-  map.surfels.normals = {{0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, 1.0F}};
-  writer.add_local_map(map);
-  writer.finish(manifest);
-}
-
 class ExportCloud : public testing::Test {
  protected:
   fs::path path(const std::string& name) const { return folder_.path() / name; }
@@ -79,19 +50,10 @@ class ExportCloud : public testing::Test {
     if (!fs::exists(path("log"))) {
       simulator::write_log_folder(simulator_, path("log"), 1, [](std::size_t) {});
     }
+    Rigid3 map_from_world;
+    map_from_world.translation = shift;
     write_true_session(path("log"), path(name), [&](const Scan& scan) {
-      MappedScan mapped;
-      mapped.stamp_ns = scan.stamp_ns;
-      mapped.pose_stamp_ns =
-          scan.stamp_ns + std::llround(1e9 * static_cast<double>(time_span(scan)->last));
-      mapped.map_from_lidar = simulator_.map_from_lidar(mapped.pose_stamp_ns);
-      mapped.map_from_lidar.translation += shift;
-      mapped.local_map_from_lidar = mapped.map_from_lidar;
-      mapped.deskewed = true;
-      // What odometry would have found for the first scan, which has none before it.
-      mapped.sweep_start_from_sweep_end = simulator_.map_from_lidar(scan.stamp_ns).inverse() *
-                                          simulator_.map_from_lidar(mapped.pose_stamp_ns);
-      return mapped;
+      return true_place(simulator_, scan, map_from_world);
     });
   }
 

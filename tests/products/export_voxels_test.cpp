@@ -8,6 +8,7 @@
 
 #include "kissmap/geometry/rigid3.hpp"
 #include "products/cloud_table.hpp"
+#include "products/true_session.hpp"
 #include "support/folder_content.hpp"
 #include "support/temp_dir.hpp"
 #include "support/yard_log.hpp"
@@ -48,12 +49,14 @@ class ExportVoxels : public testing::Test {
     return kissmap(arguments);
   }
 
+  CloudTable exported_points(const std::string& name, const std::string& frame) const;
+
   TempDir folder_;
   inline static TempDir* shared_ = nullptr;
 };
 
 /// The pose a report names in the line after "x y z qx qy qz qw".
-Rigid3 level_from_map(const std::string& report) {
+Rigid3 frame_from_map(const std::string& report) {
   std::istringstream rest(report.substr(report.find("qw\n") + 3));
   Rigid3 pose;
   auto& t = pose.translation;
@@ -68,6 +71,13 @@ Eigen::Vector3d position(const CloudTable& cloud, std::size_t row) {
   return {cloud.at(row, "x"), cloud.at(row, "y"), cloud.at(row, "z")};
 }
 
+CloudTable ExportVoxels::exported_points(const std::string& name, const std::string& frame) const {
+  const ProgramResult result =
+      kissmap({"export-cloud", session(), "-o", path(name), "--voxel-size", "0", "--frame", frame});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return read_cloud(path(name));
+}
+
 using Indices = std::array<int, 3>;
 
 Indices indices(const Eigen::Vector3d& point) {
@@ -76,27 +86,84 @@ Indices indices(const Eigen::Vector3d& point) {
 }
 
 TEST_F(ExportVoxels, OccupiedVoxelsAreWhereTheExportedPointsAre) {
-  const ProgramResult voxels = exported("v.ply", {"--resolution", "0.2"});
-  ASSERT_EQ(voxels.exit_code, 0) << voxels.err;
-  ASSERT_EQ(
-      kissmap({"export-cloud", session(), "-o", path("p.pcd"), "--voxel-size", "0"}).exit_code, 0);
-  const Rigid3 level = level_from_map(voxels.out);
-  std::set<Indices> seen;
-  const CloudTable points = read_cloud(path("p.pcd"));
-  for (std::size_t i = 0; i < points.rows.size(); ++i) {
-    const Eigen::Vector3d point = level * position(points, i);
-    // The file's single precision may put a point on the other side of a face.
-    for (const double x : {-1e-4, 1e-4}) {
-      for (const double y : {-1e-4, 1e-4}) {
-        for (const double z : {-1e-4, 1e-4}) seen.insert(indices(point + Eigen::Vector3d(x, y, z)));
+  for (const std::string frame : {"level", "map"}) {
+    const ProgramResult voxels =
+        exported("v_" + frame + ".ply", {"--resolution", "0.2", "--frame", frame});
+    ASSERT_EQ(voxels.exit_code, 0) << voxels.err;
+    EXPECT_THAT(file_text(path("v_" + frame + ".ply")).substr(0, 200), HasSubstr("frame " + frame));
+    const CloudTable points = exported_points("p_" + frame + ".pcd", frame);
+    std::set<Indices> seen;
+    for (std::size_t i = 0; i < points.rows.size(); ++i) {
+      // The file's single precision may put a point on the other side of a face.
+      for (const double x : {-1e-4, 1e-4}) {
+        for (const double y : {-1e-4, 1e-4}) {
+          for (const double z : {-1e-4, 1e-4}) {
+            seen.insert(indices(position(points, i) + Eigen::Vector3d(x, y, z)));
+          }
+        }
       }
     }
+    const CloudTable centers = read_cloud(path("v_" + frame + ".ply"));
+    ASSERT_GT(centers.rows.size(), 5000U);
+    for (std::size_t i = 0; i < centers.rows.size(); ++i) {
+      ASSERT_TRUE(seen.contains(indices(position(centers, i)))) << position(centers, i).transpose();
+    }
   }
-  const CloudTable centers = read_cloud(path("v.ply"));
-  ASSERT_GT(centers.rows.size(), 5000U);
-  for (std::size_t i = 0; i < centers.rows.size(); ++i) {
-    ASSERT_TRUE(seen.contains(indices(position(centers, i)))) << position(centers, i).transpose();
+}
+
+TEST_F(ExportVoxels, TheReportSaysHowTheFramesLie) {
+  const ProgramResult level = exported("v.bt");
+  const ProgramResult map = exported("w.bt", {"--frame", "map"});
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  EXPECT_THAT(map.out, testing::Not(HasSubstr("frame")));
+  const Rigid3 level_from_map = frame_from_map(level.out);
+  const CloudTable in_level = exported_points("p.pcd", "level");
+  const CloudTable in_map = exported_points("q.pcd", "map");
+  ASSERT_EQ(in_level.rows.size(), in_map.rows.size());
+  for (std::size_t i = 0; i < in_map.rows.size(); i += 97) {
+    ASSERT_LT((level_from_map * position(in_map, i) - position(in_level, i)).norm(), 1e-3);
   }
+}
+
+TEST_F(ExportVoxels, AMapInPartsIsTheMapInOne) {
+  for (const std::string ending : {".bt", ".ot", ".vdb"}) {
+    const ProgramResult whole = exported("whole" + ending);
+    const ProgramResult parts = exported("parts" + ending, {"--max-memory", "0.001"});
+    ASSERT_EQ(parts.exit_code, 0) << parts.err;
+    EXPECT_THAT(whole.out, testing::Not(HasSubstr("passes")));
+    EXPECT_THAT(parts.out, HasSubstr("passes over the log"));
+    EXPECT_EQ(file_text(path("parts" + ending)), file_text(path("whole" + ending))) << ending;
+  }
+  ASSERT_EQ(kissmap({"export-grid", session(), "-o", path("whole")}).exit_code, 0);
+  ASSERT_EQ(
+      kissmap({"export-grid", session(), "-o", path("parts"), "--max-memory", "0.0001"}).exit_code,
+      0);
+  EXPECT_EQ(file_text(path("parts.pgm")), file_text(path("whole.pgm")));
+}
+
+TEST_F(ExportVoxels, OctomapsReachIsToldBeforeTheWork) {
+  write_true_session(shared_->path() / "log", path("far"), [](const Scan& scan) {
+    MappedScan mapped;
+    mapped.stamp_ns = mapped.pose_stamp_ns = scan.stamp_ns;
+    mapped.map_from_lidar.translation = {0.0, 4000.0, 0.0};
+    mapped.local_map_from_lidar = mapped.map_from_lidar;
+    return mapped;
+  });
+  const auto far = [&](const std::string& name, const std::string& resolution) {
+    return kissmap({"export-voxels",
+                    path("far"),
+                    "-o",
+                    path(name),
+                    "--resolution",
+                    resolution,
+                    "--frame",
+                    "map"});
+  };
+  const ProgramResult refused = far("far.bt", "0.1");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("--resolution"), HasSubstr(".vdb")));
+  EXPECT_FALSE(fs::exists(path("far.bt")));
+  EXPECT_EQ(far("far.bt", "0.2").exit_code, 0);
 }
 
 TEST_F(ExportVoxels, TheGroundIsAtZero) {
@@ -166,6 +233,13 @@ TEST_F(ExportVoxels, RefusesWithTheRightExitCode) {
     expect(exported("v.bt", {"--threshold", threshold}), 2, "threshold");
   }
   expect(exported("v.bt", {"--no-return-range", "-1"}), 2, "no-return-range");
+  expect(exported("v.bt", {"--frame", "enu"}), 2, "frame");
+  for (const char* memory : {"0", "-4", "nan"}) {
+    expect(exported("v.bt", {"--max-memory", memory}), 2, "max-memory");
+    expect(kissmap({"export-grid", session(), "-o", path("g"), "--max-memory", memory}),
+           2,
+           "max-memory");
+  }
   expect(exported("absent/v.bt"), 4, "absent");
   expect(kissmap({"export-voxels", path("none"), "-o", path("v.bt")}), 3, "none");
   expect(kissmap({"export-voxels", session(), "-o", session() / "v.bt"}), 2, "session");

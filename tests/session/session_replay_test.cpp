@@ -56,6 +56,24 @@ TEST_F(Replay, GivesTheScansOfTheSessionInTheirPlaces) {
   EXPECT_FALSE(replay.next());
 }
 
+TEST_F(Replay, GivesEachNthScanAsTheWholeReplayDoes) {
+  for (const std::uint64_t every : {1U, 2U, 3U}) {
+    SessionReplay whole(session_, 0.0, 1000.0);
+    SessionReplay some(session_, 0.0, 1000.0, {}, every);
+    for (std::uint64_t i = 0; i < session_.scans.size(); ++i) {
+      const auto wanted = whole.next();
+      ASSERT_TRUE(wanted);
+      if (i % every != 0) continue;
+      const auto found = some.next();
+      ASSERT_TRUE(found);
+      EXPECT_EQ(found->scan_idx, i);
+      EXPECT_EQ(found->points, wanted->points);
+      EXPECT_EQ(found->pose_stamp_ns, wanted->pose_stamp_ns);
+    }
+    EXPECT_FALSE(some.next());
+  }
+}
+
 TEST_F(Replay, FindsALogThatMoved) {
   fs::rename(log_path_, folder_.path() / "elsewhere");
   EXPECT_THAT(error_of([&] { SessionReplay(session_, 0.0, 1000.0); }),

@@ -9,6 +9,7 @@
 #include "kissmap/cloud/crop_region.hpp"
 #include "kissmap/formats/cloud_writer.hpp"
 #include "kissmap/formats/export_progress.hpp"
+#include "kissmap/formats/product_frame.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
 
@@ -16,10 +17,11 @@ namespace kissmap {
 
 /// What of a session becomes a cloud, and how.
 struct CloudExportOptions {
-  double min_range = 0.0;          ///< m; nearer returns are left out
-  double max_range = 100.0;        ///< m; farther ones, too
-  double voxel_size = 0.1;         ///< m, see ThinnedCloud; 0 keeps every point
-  CropRegion crop;                 ///< before thinning
+  double min_range = 0.0;    ///< m; nearer returns are left out
+  double max_range = 100.0;  ///< m; farther ones, too
+  double voxel_size = 0.1;   ///< m, see ThinnedCloud; 0 keeps every point
+  ProductFrame frame = ProductFrame::level;
+  CropRegion crop;                 ///< in that frame, before thinning
   CloudFields fields;              ///< rgb: coloured by height, as in the session's picture
   bool intensity_if_there = true;  ///< adds the intensity where the log has one
   bool remove_outliers = false;    ///< see find_inliers; wants voxel_size > 0, as normals do
@@ -34,6 +36,7 @@ struct CloudExportSummary {
   std::uint64_t outliers = 0;       ///< voxels whose point was left out
   std::uint64_t points_written = 0;
   std::uint64_t tiles = 0;
+  Rigid3 frame_from_map;  ///< where the cloud lies beside trajectory.tum
   CloudFields fields;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< that PCD and PLY coordinates lack [m]
   std::filesystem::path offset_file;                 ///< where it was written; empty if it is zero
@@ -55,7 +58,7 @@ CloudExportSummary export_cloud(const Session& session,
                                 ThreadPool& pool,
                                 const ExportProgress& progress);
 
-/// Corners of a polygon from a text file: one `x y` [m, map frame] a line, '#' begins a remark, a
+/// Corners of a polygon from a text file: one `x y` [m] a line, '#' begins a remark, a
 /// comma may separate. Throws Error(input) naming the line.
 std::vector<Eigen::Vector2d> read_polygon(const std::filesystem::path& path);
 

@@ -27,10 +27,11 @@ struct GridExportOptions {
   GridMode mode = GridMode::trinary;
   BandBelief belief;
   ColumnRule rule{navigation_threshold, 0.5, 0.0};
-  int min_group = 0;                        ///< cells, see remove_small_groups
-  bool connected = false;                   ///< see keep_connected_free
-  bool align_axes = false;                  ///< turns the walls along x and y
-  std::optional<Eigen::AlignedBox2d> crop;  ///< m
+  int min_group = 0;                         ///< cells, see remove_small_groups
+  bool connected = false;                    ///< see keep_connected_free
+  bool align_axes = false;                   ///< turns the walls along x and y
+  std::optional<Eigen::AlignedBox2d> crop;   ///< m
+  std::uint64_t max_memory = 4'000'000'000;  ///< bytes of the voxels rays are cast into
   bool overwrite = false;
   std::filesystem::path moved_log;  ///< where the log is now, if it moved
 };
@@ -50,10 +51,11 @@ struct GridExportSummary {
 /// Casts the rays of a session's scans and writes a map of each storey the path goes through:
 /// STEM.pgm (or .png), STEM.yaml and STEM_look.png; with several storeys STEM_level0... and
 /// STEM_levels.yaml, which lists them. Frame: that of the session, levelled by level_from_map();
-/// the YAML says by what. The same bytes on every run and for any number of threads. Reads the log
-/// twice. Memory grows with the area seen. Throws Error(usage) for options out of range and for
-/// files that are there without `overwrite`; Error(input) as SessionReplay does; Error(output)
-/// naming the file.
+/// the YAML says by what. The same bytes on every run, for any number of threads and for any
+/// max_memory: voxels that do not fit are cast in parts. Reads the log twice, and once more for
+/// each further part. Beside the voxels, cells take 8 bytes. Throws Error(usage) for options out of
+/// range and for files that are there without `overwrite`; Error(input) as SessionReplay does;
+/// Error(output) naming the file.
 GridExportSummary export_grid(const Session& session,
                               const std::filesystem::path& stem,
                               const GridExportOptions& options,

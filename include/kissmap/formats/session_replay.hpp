@@ -18,23 +18,26 @@ class SessionReplay {
  public:
   /// `session` must outlive the replay. Points nearer than min_range or farther than max_range [m]
   /// are left out. Throws Error(input) where the log is missing or not the one mapped; `moved_to`
-  /// says where it is now.
+  /// says where it is now. Of the scans the first is given and each `every`th after it, >= 1; those
+  /// between are not decoded, and nothing is read ahead then.
   SessionReplay(const Session& session,
                 double min_range,
                 double max_range,
-                const std::filesystem::path& moved_to = {});
+                const std::filesystem::path& moved_to = {},
+                std::uint64_t every = 1);
 
   /// The next scan, or nothing after the last. Throws Error(input) where the log has changed or
   /// ends too early.
   std::optional<PlacedScan> next();
 
-  std::uint64_t size() const { return session_.scans.size(); }
+  std::uint64_t size() const { return session_.scans.size(); }  ///< of the session
 
  private:
   const Session& session_;
   std::unique_ptr<ScanLog> log_;
   double min_range_;
   double max_range_;
+  std::uint64_t every_;
   std::uint64_t next_idx_ = 0;
 };
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 
 #include "kissmap/formats/export_progress.hpp"
+#include "kissmap/formats/product_frame.hpp"
 #include "kissmap/formats/session.hpp"
 #include "kissmap/geometry/rigid3.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
@@ -19,6 +21,8 @@ struct VoxelExportOptions {
   double threshold = 0.5;    ///< a voxel is occupied above this probability, 0.12..0.97
   /// m, 0..1000; rays of which nothing came back are free up to here, where the log tells them
   double no_return_range = 0.0;
+  ProductFrame frame = ProductFrame::level;
+  std::uint64_t max_memory = 4'000'000'000;  ///< bytes of the map rays are cast into
   bool overwrite = false;
   std::filesystem::path moved_log;  ///< where the log is now, if it moved
 };
@@ -27,21 +31,25 @@ struct VoxelExportSummary {
   double resolution = 0.0;         ///< m
   std::uint64_t occupied = 0;      ///< voxels
   std::uint64_t free = 0;          ///< voxels
+  double area = 0.0;               ///< m2 seen from above, in squares of 8 voxels
   std::uint64_t scans = 0;         ///< whose rays were cast
   std::uint64_t rays = 0;          ///< all that were cast or skipped
   std::uint64_t skipped_rays = 0;  ///< not finite, or too far for any map
-  std::size_t memory_bytes = 0;    ///< of the map
-  Rigid3 level_from_map;           ///< the file's frame from that of the session's trajectory
+  std::uint64_t memory = 0;        ///< bytes of all parts of the map when they were complete
+  std::uint64_t peak_memory = 0;   ///< bytes of the map at most
+  std::uint64_t passes = 0;        ///< over the log
+  Rigid3 frame_from_map;           ///< the file's frame from that of the session's trajectory
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< that .pcd and .ply coordinates lack [m]
+  std::filesystem::path offset_file;                 ///< where it was written; empty if it is zero
 };
 
 /// Casts the rays of a session's scans, each from where the sensor was, and writes the voxels by
 /// the ending of `output`: .bt or .ot (OctoMap), .vdb (OpenVDB), .pcd or .ply (centres of occupied
-/// voxels with their probability as intensity). Frame: that of the session, levelled by
-/// level_from_map(), as the maps of export_grid() are. The same bytes on every run and for any
-/// number of threads. Reads the log once, twice to choose a resolution. Memory grows with the
-/// volume seen, see OccupancyMap, and with the file. Throws Error(usage) for options out of range,
-/// other endings and voxels beyond OctoMap's reach; Error(input) as SessionReplay does;
-/// Error(output) naming the file where it is there without `overwrite` or cannot be written.
+/// voxels with their probability as intensity). The same bytes on every run and for any number of
+/// threads; the same voxels for any max_memory, from as many passes over the log as it takes.
+/// Beyond that memory grows with the file, see open_voxel_writer(). Throws Error(usage) for options
+/// out of range, other endings and voxels beyond OctoMap's reach; Error(input) as SessionReplay
+/// does; Error(output) naming the file where it is there without `overwrite` or cannot be written.
 VoxelExportSummary export_voxels(const Session& session,
                                  const std::filesystem::path& output,
                                  const VoxelExportOptions& options,

@@ -10,6 +10,7 @@
 #include "kissmap/grid/grid_map.hpp"
 #include "kissmap/mapping/placed_scan.hpp"
 #include "kissmap/occupancy/log_odds.hpp"
+#include "kissmap/occupancy/occupancy_map.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
 
 namespace kissmap {
@@ -52,6 +53,9 @@ class BandMapper {
   /// The map of all columns seen, empty if there are none. Cells are aligned to multiples of the
   /// resolution.
   GridMap grid(const ColumnRule& rule) const;
+
+  /// What rays were cast into; may be limited to a part of the plane.
+  OccupancyMap& voxels();
 
  private:
   class Impl;

@@ -76,6 +76,10 @@ std::size_t remove_small_groups(int least, GridMap& map);
 /// Returns how many cells were changed.
 std::size_t keep_connected_free(std::span<const Eigen::Vector2d> path, GridMap& map);
 
+/// A map of all that either of two knows, for maps of one resolution that are aligned to its
+/// multiples; where both do, what `b` says.
+GridMap joined(const GridMap& a, const GridMap& b);
+
 /// The part of a map inside a rectangle [m], widened to whole cells; unknown where the map ends.
 GridMap cropped(const GridMap& map, const Eigen::AlignedBox2d& area);
 

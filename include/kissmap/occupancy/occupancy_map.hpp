@@ -7,9 +7,11 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "kissmap/occupancy/log_odds.hpp"
 #include "kissmap/occupancy/occupancy_geometry.hpp"
+#include "kissmap/occupancy/tile_box.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
 
 namespace kissmap {
@@ -90,6 +92,14 @@ class OccupancyMap {
   /// Throws Error(internal) if arrays differ in length or the margin is negative or NaN.
   OccupancyUpdate add(const RayScan& scan, ThreadPool& pool);
 
+  /// Keeps this part of the map, of what an earlier call kept: frees all tiles outside. From then
+  /// on rays leave no trace there, and the part becomes what it would have become in the whole map.
+  void restrict_to(const TileBox& box);
+  /// Forgets all that was seen; from then on this part is kept and no other.
+  void start_over(const TileBox& box);
+  /// Numbers of the tiles that take memory, by z, y, x.
+  std::vector<Voxel> tiles() const;
+
   LogOdds at(const Voxel& voxel) const;  ///< unknown_log_odds where nothing was seen
   bool is_occupied(const Voxel& voxel) const { return steps_.is_occupied(at(voxel)); }
   bool is_free(const Voxel& voxel) const { return steps_.is_free(at(voxel)); }
@@ -111,6 +121,7 @@ class OccupancyMap {
   OccupancyGeometry geometry_;
   OccupancyOptions options_;
   LogOddsSteps steps_;
+  TileBox box_;
   std::unique_ptr<Tiles> tiles_;
 };
 

@@ -11,7 +11,6 @@
 namespace kissmap {
 namespace {
 
-
 /// '#' occupied, '.' free, ' ' unknown; the first row is the highest y.
 GridMap map_of(const std::vector<std::string>& rows) {
   GridMap map;
@@ -105,6 +104,17 @@ TEST(GridMapTest, TrimmingLeavesTheMargin) {
   EXPECT_EQ(rows_of(trimmed(map, 0)), (Rows{"# ", ".."}));
   EXPECT_EQ(rows_of(trimmed(map, 1)), (Rows{"    ", " #  ", " .. ", "    "}));
   EXPECT_EQ(trimmed(map_of({"  ", "  "}), 1).cells.size(), 0U);
+}
+
+TEST(GridMap, JoinedMapsKnowWhatEitherKnows) {
+  GridMap west = map_of({"#..", ".# "});
+  GridMap east = map_of({"#.", "..", "##"});
+  east.corner += Eigen::Vector2d(1.0, -0.5);  // two cells to the east, one to the south
+  const GridMap both = joined(west, east);
+  EXPECT_EQ(both.corner, Eigen::Vector2d(-3.0, 1.5));
+  EXPECT_EQ(rows_of(both), (std::vector<std::string>{"#.#.", ".#..", "  ##"}));
+  EXPECT_EQ(rows_of(joined(GridMap{}, west)), rows_of(west));
+  EXPECT_EQ(rows_of(joined(west, GridMap{})), rows_of(west));
 }
 
 }  // namespace
