@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "grid/bent_ray.hpp"
 #include "grid/column_projection.hpp"
@@ -94,10 +95,11 @@ class BandMapper::Impl {
     }
     const double free = std::min(range - belief_.free_margin, band_.max_range);
     if (!(free > 0.0)) return;
-    const Eigen::Vector3d last = start + free / range * (end - start);
-    if (!may_meet_band(start, last)) return;
+    const std::optional<Segment> near =
+        part_near_band({start, start + free / range * (end - start)});
+    if (!near) return;
     thread_local std::vector<Eigen::Vector3d> corners;
-    bend_ray(start, last, floor_, corners);
+    bend_ray(near->from, near->to, floor_, corners);
     for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
       if (meets_band(corners[k].z(), corners[k + 1].z())) {
         push(corners[k], corners[k + 1], 0, bent);
@@ -119,10 +121,23 @@ class BandMapper::Impl {
     return std::max(from, to) >= band_.z_min && std::min(from, to) <= band_.z_max;
   }
 
-  /// False only if the ray is above or below the band wherever the floor may be.
-  bool may_meet_band(const Eigen::Vector3d& start, const Eigen::Vector3d& end) const {
-    const auto [low, high] = std::minmax(start.z(), end.z());
-    return high >= floor_.lowest() + band_.z_min && low <= floor_.highest() + band_.z_max;
+  struct Segment {
+    Eigen::Vector3d from, to;
+  };
+
+  /// Without what is above or below the band wherever the floor may be.
+  std::optional<Segment> part_near_band(const Segment& ray) const {
+    const double low = floor_.lowest() + band_.z_min;
+    const double high = floor_.highest() + band_.z_max;
+    const Eigen::Vector3d way = ray.to - ray.from;
+    if (std::abs(way.z()) < 1e-6) {
+      return ray.from.z() >= low && ray.from.z() <= high ? std::optional(ray) : std::nullopt;
+    }
+    const auto [enter, leave] =
+        std::minmax({(low - ray.from.z()) / way.z(), (high - ray.from.z()) / way.z()});
+    if (enter > 1.0 || leave < 0.0) return std::nullopt;
+    return Segment{enter > 0.0 ? ray.from + enter * way : ray.from,
+                   leave < 1.0 ? ray.from + leave * way : ray.to};
   }
 
   FloorMap floor_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kissmap {
 namespace {
@@ -36,6 +37,31 @@ struct Bender {
   }
 };
 
+/// Leaves out corners that a straight piece passes within the tolerance: the longest piece from
+/// each corner that is kept.
+void straighten(std::vector<Eigen::Vector3d>& corners) {
+  std::size_t kept = 0;  // corners[kept] is where the piece begins
+  double steepest = std::numeric_limits<double>::infinity();
+  double flattest = -steepest;  // slopes of all pieces that pass what lies between
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    const Eigen::Vector3d way = corners[i] - corners[kept];
+    const double length = way.head<2>().norm();
+    const double slope = way.z() / length;
+    if (!(slope >= flattest && slope <= steepest)) {  // as is NaN, of a piece of no length
+      corners[++kept] = corners[i - 1];
+      const Eigen::Vector3d next = corners[i] - corners[kept];
+      const double next_length = next.head<2>().norm();
+      flattest = (next.z() - tolerance) / next_length;
+      steepest = (next.z() + tolerance) / next_length;
+      continue;
+    }
+    flattest = std::max(flattest, (way.z() - tolerance) / length);
+    steepest = std::min(steepest, (way.z() + tolerance) / length);
+  }
+  corners[++kept] = corners.back();
+  corners.resize(kept + 1);
+}
+
 }  // namespace
 
 void bend_ray(const Eigen::Vector3d& start,
@@ -58,6 +84,7 @@ void bend_ray(const Eigen::Vector3d& start,
     bender.divide(from, to, corners.back(), above_floor(to, floor));
     from = to;
   }
+  if (corners.size() > 2) straighten(corners);
 }
 
 }  // namespace kissmap
