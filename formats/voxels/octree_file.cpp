@@ -1,175 +1,166 @@
 // SPDX-License-Identifier: MIT
-#include <octomap/OcTree.h>
-
+// OctoMap's files as AbstractOcTree and OccupancyOcTreeBase of its 1.9 read them: a header as text,
+// then the nodes of a tree of 16 levels. OctoMap's own tree would take 50 bytes of memory for every
+// voxel that cannot be pruned, so the nodes are written from blocks instead, which are its subtrees
+// of three levels.
 #include <algorithm>
 #include <array>
-#include <locale>
 #include <sstream>
+#include <vector>
 
+#include "formats/clouds/point_columns.hpp"
 #include "formats/files/aside_file.hpp"
+#include "formats/voxels/octree.hpp"
 #include "formats/voxels/voxel_files.hpp"
 #include "kissmap/error.hpp"
 
 namespace kissmap {
 namespace {
 
-using octomap::OcTreeKey;
-using octomap::OcTreeNode;
+using Kind = OctreeNode::Kind;
 
-constexpr int tree_depth = 16;
-constexpr int block_depth = 13;  // of the node that covers 8 x 8 x 8 voxels
+constexpr std::size_t levels_above_blocks = 13;
 constexpr std::int32_t key_of_zero = 1 << 15;
+constexpr std::array<OctreeNode, 8> no_children{};
 
-static_assert(occupancy_block_side == 1 << (tree_depth - block_depth));
+static_assert(occupancy_block_side == 1 << (16 - levels_above_blocks));
 
-/// Beliefs as an OctoMap tree, pruned as it grows: a block that is alike all over is one node.
-/// OctoMap's own prune() stops at the first depth where there is nothing to do, which is the last
-/// one here.
-class OctreeBuilder {
- public:
-  /// Of a binary tree only the sign of a belief is kept.
-  OctreeBuilder(double resolution, const LogOddsSteps& steps, bool binary)
-      : steps_(steps), binary_(binary), unit_(binary ? 1.0 : steps_.unit), tree_(resolution) {}
-
-  void add(const OccupancyBlock& block) {
-    for (std::size_t i = 0; i < beliefs_.size(); ++i) beliefs_[i] = kept(block.values[i]);
-    const OcTreeKey key(key_of(block.first.x), key_of(block.first.y), key_of(block.first.z));
-    fill(node_of_block(key), 0, occupancy_block_side);
-  }
-
-  /// Joins what is alike across blocks.
-  const octomap::OcTree& finish() {
-    if (tree_.getRoot() != nullptr) join(*tree_.getRoot(), 0);
-    tree_.updateInnerOccupancy();
-    return tree_;
-  }
-
- private:
-  static octomap::key_type key_of(std::int32_t index) {
-    return static_cast<octomap::key_type>(index + key_of_zero);
-  }
-
-  LogOdds kept(LogOdds value) const {
-    if (!binary_ || value == unknown_log_odds) return value;
-    return steps_.is_occupied(value) ? LogOdds{1} : LogOdds{-1};
-  }
-
-  OcTreeNode& child_of(OcTreeNode& node, unsigned int child) {
-    if (tree_.nodeChildExists(&node, child)) return *tree_.getNodeChild(&node, child);
-    return *tree_.createNodeChild(&node, child);
-  }
-
-  OcTreeNode& node_of_block(const OcTreeKey& key) {
-    // A tree gets its root with its first voxel, whose belief fill() then finds or overwrites.
-    if (tree_.getRoot() == nullptr) tree_.setNodeValue(first_known(key), 0.0F, true);
-    OcTreeNode* node = tree_.getRoot();
-    for (int depth = 0; depth < block_depth; ++depth) {
-      node = &child_of(*node, octomap::computeChildIdx(key, tree_depth - 1 - depth));
-    }
-    return *node;
-  }
-
-  OcTreeKey first_known(const OcTreeKey& key) const {
-    const auto known =
-        std::ranges::find_if(beliefs_, [](LogOdds value) { return value != unknown_log_odds; });
-    const auto i = static_cast<unsigned>(known - beliefs_.begin());
-    return {static_cast<octomap::key_type>(key[0] + i % 8),
-            static_cast<octomap::key_type>(key[1] + i / 8 % 8),
-            static_cast<octomap::key_type>(key[2] + i / 64)};
-  }
-
-  /// Whether all beliefs of a cube of the block are those of its first.
-  bool alike(std::size_t first, std::size_t side) const {
-    for (std::size_t z = 0; z < side; ++z) {
-      for (std::size_t y = 0; y < side; ++y) {
-        const auto* row = beliefs_.data() + first + 64 * z + 8 * y;
-        if (std::any_of(row, row + side, [&](LogOdds v) { return v != beliefs_[first]; })) {
-          return false;
-        }
-      }
-    }
-    return true;
-  }
-
-  /// Gives a node the cube of the block that begins at `first`, in which something is known.
-  void fill(OcTreeNode& node, std::size_t first, std::size_t side) {
-    if (!tree_.nodeHasChildren(&node) && alike(first, side)) {
-      node.setLogOdds(static_cast<float>(unit_ * beliefs_[first]));
-      return;
-    }
-    const std::size_t half = side / 2;
-    for (unsigned int child = 0; child < 8; ++child) {
-      const std::size_t begin =
-          first + half * ((child & 1U) + 8 * (child >> 1U & 1U) + 64 * (child >> 2U));
-      if (beliefs_[begin] == unknown_log_odds && alike(begin, half)) continue;
-      fill(child_of(node, child), begin, half);
-    }
-    tree_.pruneNode(&node);
-  }
-
-  void join(OcTreeNode& node, int depth) {
-    if (depth == block_depth) return;
-    for (unsigned int child = 0; child < 8; ++child) {
-      if (tree_.nodeChildExists(&node, child)) join(*tree_.getNodeChild(&node, child), depth + 1);
-    }
-    tree_.pruneNode(&node);
-  }
-
-  LogOddsSteps steps_;
-  bool binary_;
-  double unit_;
-  octomap::OcTree tree_;
-  std::array<LogOdds, 512> beliefs_{};
+/// The bytes of a block among those of all.
+struct StoredBlock {
+  std::uint64_t order = 0;  ///< octree_order()
+  std::size_t begin = 0;
+  std::uint16_t size = 0;
+  BlockRoot root;
 };
+
+/// A node above blocks, or the root of one.
+struct UpperNode {
+  std::uint64_t order = 0;  ///< octree_order() on its own level
+  OctreeNode node;
+  std::size_t first_child = 0;  ///< on the level below; of a block: among those stored
+};
+using Level = std::vector<UpperNode>;
+
+Level level_above(const Level& below) {
+  Level level;
+  for (std::size_t begin = 0; begin < below.size();) {
+    const std::uint64_t order = below[begin].order >> 3;
+    std::array<OctreeNode, 8> children{};
+    std::size_t end = begin;
+    for (; end < below.size() && below[end].order >> 3 == order; ++end) {
+      children[below[end].order & 7U] = below[end].node;
+    }
+    level.push_back({order, parent_of(children), begin});
+    begin = end;
+  }
+  return level;
+}
 
 class OctreeWriter : public VoxelWriter {
  public:
   OctreeWriter(const std::filesystem::path& path, const VoxelWriterOptions& options, bool binary)
-      : path_(path),
-        binary_(binary),
-        resolution_(options.geometry.voxel_size.x()),
-        file_(path),
-        builder_(resolution_, LogOddsSteps::from(options.log_odds), binary) {}
+      : options_(options), binary_(binary), file_(path) {
+    const LogOddsSteps steps = LogOddsSteps::from(options.log_odds);
+    code_ = binary ? maximum_likelihood_code(steps) : log_odds_code(steps);
+    file_.write(header());
+  }
 
   void add(const OccupancyMap& part) override {
     part.for_each_block([this](const OccupancyBlock& block) {
-      require_reach(block);
-      builder_.add(block);
+      StoredBlock stored;
+      stored.order = octree_order(
+          block_number(block.first.x), block_number(block.first.y), block_number(block.first.z));
+      stored.begin = bytes_.size();
+      stored.root = append_block(block, *code_, bytes_);
+      stored.size = static_cast<std::uint16_t>(bytes_.size() - stored.begin);
+      blocks_.push_back(stored);
     });
   }
 
   void finish() override {
-    const octomap::OcTree& tree = builder_.finish();
-    std::ostringstream bytes;
-    bytes.imbue(std::locale::classic());
-    // OctoMap's writeBinary() writes the same and chats on stderr.
-    bytes << (binary_ ? "# Octomap OcTree binary file\n" : "# Octomap OcTree file\n") << "id "
-          << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << resolution_
-          << "\ndata\n";
-    if (!(binary_ ? tree.writeBinaryData(bytes) : tree.writeData(bytes))) {
-      throw output_error(path_, "OctoMap could not write the tree; free some memory");
+    std::ranges::sort(blocks_, {}, &StoredBlock::order);
+    if (!blocks_.empty()) {
+      make_levels();
+      write_node(levels_above_blocks, 0);
     }
-    file_.write(bytes.view());
-    file_.publish({});
+    file_.publish(header());
   }
 
  private:
-  void require_reach(const OccupancyBlock& block) const {
-    const std::int32_t last = key_of_zero - occupancy_block_side;
-    const auto outside = [&](std::int32_t index) { return index < -key_of_zero || index > last; };
-    if (!outside(block.first.x) && !outside(block.first.y) && !outside(block.first.z)) return;
-    std::ostringstream message;
-    message << path_.string() << ": OctoMap reaches " << key_of_zero * resolution_
-            << " m from the origin with voxels of " << resolution_
-            << " m, the map goes farther; take a coarser --resolution, or write .vdb";
-    throw usage_error(message.str());
+  /// Counted from OctoMap's lower end.
+  std::uint64_t block_number(std::int32_t first) const {
+    if (first < -key_of_zero || first >= key_of_zero) throw beyond_reach();
+    return static_cast<std::uint64_t>(first + key_of_zero) / occupancy_block_side;
   }
 
-  std::filesystem::path path_;
+  Error beyond_reach() const {
+    const double size = options_.geometry.voxel_size.x();
+    std::ostringstream message;
+    message << file_.path().string() << ": OctoMap reaches " << key_of_zero * size
+            << " m from the origin with voxels of " << size
+            << " m, the map goes farther; take a coarser --resolution, or write .vdb";
+    return usage_error(message.str());
+  }
+
+  /// As long for any number of nodes, so that the final one fits over the first.
+  std::string header() const {
+    constexpr std::size_t longest_number = 20;
+    const std::string number = std::to_string(nodes_);
+    return std::string(binary_ ? "# Octomap OcTree binary file" : "# Octomap OcTree file") +
+           "\n# made by kissmap; frame " + options_.frame + ", metres; occupied above " +
+           shortest_decimal(options_.log_odds.occupied_probability) + "\nid OcTree\nsize " +
+           number + std::string(longest_number - number.size(), ' ') + "\nres " +
+           shortest_decimal(options_.geometry.voxel_size.x()) + "\ndata\n";
+  }
+
+  void make_levels() {
+    levels_.resize(1);
+    levels_[0].reserve(blocks_.size());
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      levels_[0].push_back({blocks_[i].order, blocks_[i].root.node, i});
+    }
+    for (std::size_t i = 0; i < levels_above_blocks; ++i) {
+      levels_.push_back(level_above(levels_.back()));
+    }
+    // OctoMap's own pruning leaves the root, and its readers expect one with children.
+    levels_.back()[0].node.kind = Kind::inner;
+  }
+
+  void write_node(std::size_t level, std::size_t i) {
+    const UpperNode& node = levels_[level][i];
+    if (level == 0) {
+      const StoredBlock& block = blocks_[node.first_child];
+      file_.write(std::string_view(bytes_).substr(block.begin, block.size));
+      nodes_ += block.root.nodes;
+      return;
+    }
+    ++nodes_;
+    std::string bytes;
+    if (node.node.kind == Kind::leaf) {
+      code_->append(node.node, no_children, bytes);
+      return file_.write(bytes);
+    }
+    const Level& below = levels_[level - 1];
+    const auto is_child = [&](std::size_t c) {
+      return c < below.size() && below[c].order >> 3 == node.order;
+    };
+    std::array<OctreeNode, 8> children{};
+    for (std::size_t c = node.first_child; is_child(c); ++c) {
+      children[below[c].order & 7U] = below[c].node;
+    }
+    code_->append(node.node, children, bytes);
+    file_.write(bytes);
+    for (std::size_t c = node.first_child; is_child(c); ++c) write_node(level - 1, c);
+  }
+
+  VoxelWriterOptions options_;
   bool binary_;
-  double resolution_;
+  std::unique_ptr<OctreeCode> code_;
   AsideFile file_;
-  OctreeBuilder builder_;
+  std::string bytes_;  ///< of the trees of all blocks, in the order they came
+  std::vector<StoredBlock> blocks_;
+  std::vector<Level> levels_;  ///< from the blocks to the root
+  std::uint64_t nodes_ = 0;
 };
 
 void require_cubes(const OccupancyGeometry& geometry, const std::filesystem::path& path) {

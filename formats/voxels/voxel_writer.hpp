@@ -45,9 +45,9 @@ class VoxelWriter {
 /// .vdb  OpenVDB, FloatGrid "occupancy": log-odds, background 0, active where known; index (i,j,k)
 ///       lies at the centre of voxel (i,j,k)
 /// .pcd, .ply  centres of occupied voxels, their probability as intensity
-/// Same parts, same bytes; for trees also if the same voxels came in other parts. Trees are kept in
-/// memory until the end: a block of 8^3 voxels takes 16 to 80 bytes a node in OctoMap, 2.1 kB in
-/// OpenVDB, in both next to nothing where all its voxels hold the same belief.
+/// Same parts, same bytes; for trees also if the same voxels came in other parts. The file
+/// is kept in memory until the end: for OctoMap its bytes and 40 for each block of 8^3 voxels, for
+/// OpenVDB its tree, 2.1 kB a block or next to nothing where all voxels hold the same belief.
 /// Throws Error(usage) for other endings and, for OctoMap, where voxels are not cubes that begin at
 /// 0; Error(output) naming the file, as the writer does.
 std::unique_ptr<VoxelWriter> open_voxel_writer(const std::filesystem::path& path,

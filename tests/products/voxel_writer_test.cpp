@@ -139,11 +139,44 @@ TEST_F(VoxelWriter, OctomapReadsEveryLogOddsBack) {
   EXPECT_DOUBLE_EQ(tree->getResolution(), 0.1);
   std::map<Voxel, float> expected;
   for (const auto& [voxel, value] : beliefs_of(map)) {
-    expected[voxel] = static_cast<float>(map.steps().unit * value);
+    expected[voxel] = static_cast<float>(value == 0 ? -1e-6 : map.steps().unit * value);
   }
   const auto found =
       voxels_of<float>(*tree, [](const octomap::OcTreeNode& leaf) { return leaf.getLogOdds(); });
   EXPECT_TRUE(found == expected) << found.size() << " and " << expected.size();
+}
+
+/// The same map, made voxel by voxel by OctoMap itself.
+octomap::OcTree tree_of(const OccupancyMap& map) {
+  octomap::OcTree tree(map.geometry().voxel_size.x());
+  map.for_each_voxel([&](const Voxel& voxel, LogOdds value) {
+    const octomap::OcTreeKey key(static_cast<octomap::key_type>(voxel.x + 32768),
+                                 static_cast<octomap::key_type>(voxel.y + 32768),
+                                 static_cast<octomap::key_type>(voxel.z + 32768));
+    const double odds = value == 0 ? -1e-6 : map.steps().unit * value;  // even is free for us
+    tree.setNodeValue(key, static_cast<float>(odds), true);
+  });
+  tree.updateInnerOccupancy();
+  for (std::size_t before = 0; before != tree.size();) {  // it stops early at times
+    before = tree.size();
+    tree.prune();
+  }
+  return tree;
+}
+
+std::string data_of(const std::string& file) {
+  return file.substr(file.find("\ndata\n") + 6);
+}
+
+TEST_F(VoxelWriter, WritesTheBytesOctomapWrites) {
+  const OccupancyMap map = room();
+  octomap::OcTree tree = tree_of(map);
+  ASSERT_TRUE(tree.write(path("theirs.ot").string()));
+  const std::string full = data_of(file_text(written(map, "ours.ot")));
+  EXPECT_TRUE(full == data_of(file_text(path("theirs.ot"))));
+  EXPECT_GT(full.size(), 100'000U);
+  ASSERT_TRUE(tree.writeBinary(path("theirs.bt").string()));
+  EXPECT_TRUE(data_of(file_text(written(map, "ours.bt"))) == data_of(file_text(path("theirs.bt"))));
 }
 
 TEST_F(VoxelWriter, OctomapReadsOccupiedAndFreeBack) {
