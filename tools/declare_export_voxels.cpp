@@ -22,7 +22,7 @@ CLI::App& declare_export_voxels(CLI::App& app, ExportVoxelsCommand& c) {
   command
       .add_option("--resolution",
                   c.resolution,
-                  "side of a voxel [m] (0.05 indoors, 0.1 or 0.2 where things are farther)")
+                  "side of a voxel [m] (0.05 indoors, 0.2 where things are farther)")
       ->type_name("R");
   command
       .add_option("--threshold",

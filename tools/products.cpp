@@ -4,6 +4,7 @@
 #include "commands.hpp"
 #include "export_options.hpp"
 #include "kissmap/formats/product_folder.hpp"
+#include "kissmap/parallel/task_thread.hpp"
 #include "progress.hpp"
 #include "report.hpp"
 
@@ -22,16 +23,24 @@ class ProductWriter {
     };
   }
 
+  /// The cloud, whose points are thinned by one thread, beside the others.
   std::string write_all(const fs::path& folder) {
-    return write_cloud(folder) + write_voxels(folder) + write_grid(folder);
+    std::string cloud;
+    TaskThread beside(1);
+    beside.add([&] { cloud = write_cloud(folder); });
+    const std::string others = write_voxels(folder) + write_grid(folder);
+    beside.finish();
+    return cloud + others;
   }
 
  private:
   std::string write_cloud(const fs::path& folder) {
     ExportCloudCommand cloud;
     cloud.log = command_.log;
+    ThreadPool alone(1);
+    const auto silent = [](const char*, std::uint64_t, std::uint64_t) {};
     const CloudExportSummary summary = export_cloud(
-        session_, folder / cloud_product_name, cloud_options(cloud, session_), pool_, show_);
+        session_, folder / cloud_product_name, cloud_options(cloud, session_), alone, silent);
     return text(
         "    %-16s%s points\n", cloud_product_name, with_commas(summary.points_written).c_str());
   }

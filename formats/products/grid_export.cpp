@@ -37,7 +37,7 @@ GridBand band_of(const GridExportOptions& options, double resolution) {
 
 double resolution_of(const GridExportOptions& options, const Session& session) {
   if (options.resolution != 0.0) return options.resolution;
-  return fitting_resolution(session, options.min_range, options.max_range, options.moved_log);
+  return fitting_resolution(session, options.min_range, options.max_range, options.moved_log).cell;
 }
 
 void require_options(const GridExportOptions& options) {

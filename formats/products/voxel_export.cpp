@@ -34,7 +34,7 @@ void require_options(const VoxelExportOptions& options) {
 
 double resolution_of(const VoxelExportOptions& options, const Session& session) {
   if (options.resolution != 0.0) return options.resolution;
-  return fitting_resolution(session, options.min_range, options.max_range, options.moved_log);
+  return fitting_resolution(session, options.min_range, options.max_range, options.moved_log).voxel;
 }
 
 /// Told before hours of work; what the rays reach beyond the path is known afterwards only.

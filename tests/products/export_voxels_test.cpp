@@ -187,13 +187,10 @@ TEST_F(ExportVoxels, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(ExportVoxels, ChoosesTheResolutionOfExportGrid) {
+TEST_F(ExportVoxels, ChoosesACoarseResolutionOutdoors) {
   const ProgramResult voxels = exported("v.bt");
-  const ProgramResult grid = kissmap({"export-grid", session(), "-o", path("grid")});
   ASSERT_EQ(voxels.exit_code, 0) << voxels.err;
-  ASSERT_EQ(grid.exit_code, 0) << grid.err;
   EXPECT_THAT(voxels.out, HasSubstr("of 0.2 m"));
-  EXPECT_THAT(grid.out, HasSubstr("of 0.2 m"));
 }
 
 TEST_F(ExportVoxels, AHigherThresholdLeavesFewerVoxels) {

@@ -17,7 +17,7 @@ namespace kissmap {
 struct VoxelExportOptions {
   double min_range = 0.0;    ///< m; nearer returns are left out
   double max_range = 100.0;  ///< m; farther ones, too
-  double resolution = 0.0;   ///< m, 0.01..10; 0: 0.05, 0.1 or 0.2 by how near things are
+  double resolution = 0.0;   ///< m, 0.01..10; 0: 0.05 where things are near, else 0.2
   double threshold = 0.5;    ///< a voxel is occupied above this probability, 0.12..0.97
   /// m, 0..1000; rays of which nothing came back are free up to here, where the log tells them
   double no_return_range = 0.0;
