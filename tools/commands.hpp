@@ -125,6 +125,7 @@ struct ExportCloudCommand {
   int tile_size = 0;  ///< m; 0: no tiles
   int threads = 0;
   bool remove_outliers = false;
+  bool remove_dynamic = false;
   bool compress = false;
   bool overwrite = false;
   bool quiet = false;

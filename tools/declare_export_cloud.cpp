@@ -55,6 +55,12 @@ void declare_what(CLI::App& command, ExportCloudCommand& c) {
                 "leave out points that stand alone: mean distance to 10 neighbours two standard "
                 "deviations above the mean")
       ->group(group);
+  command
+      .add_flag("--remove-dynamic",
+                c.remove_dynamic,
+                "leave out what moved, as rays of other scans passed through it; written to "
+                "FILE_removed instead. Reads the log twice more")
+      ->group(group);
 }
 
 }  // namespace

@@ -87,6 +87,11 @@ void report(const std::filesystem::path& output,
               with_commas(summary.points_inside).c_str());
   if (options.voxel_size > 0.0) std::printf(", one a voxel of %g m", options.voxel_size);
   std::printf("\n");
+  if (options.remove_dynamic) {
+    std::printf("  moved       %s points, in %s\n",
+                with_commas(summary.moved_points).c_str(),
+                printable(summary.moved_file.string()).c_str());
+  }
   if (options.remove_outliers) {
     std::printf("  left out    %s voxels that stand alone\n",
                 with_commas(summary.outliers).c_str());
@@ -113,6 +118,7 @@ CloudExportOptions cloud_options(const ExportCloudCommand& command, const Sessio
   apply_crop(command, options.crop);
   options.fields.rgb = !command.colour.empty();
   options.remove_outliers = command.remove_outliers;
+  options.remove_dynamic = command.remove_dynamic;
   options.compress = command.compress;
   options.frame = frame_named(command.frame);
   options.tile_size = command.tile_size;

@@ -12,6 +12,7 @@
 #include "formats/products/cloud_frame.hpp"
 #include "formats/products/export_target.hpp"
 #include "formats/products/offset_file.hpp"
+#include "formats/products/removed_cloud.hpp"
 #include "formats/products/session_points.hpp"
 #include "formats/products/tile_folder.hpp"
 #include "formats/session/session_folder.hpp"
@@ -46,6 +47,10 @@ class Exporter {
   CloudExportSummary run() {
     resolve_fields();
     resolve_frame();
+    if (options_.remove_dynamic) {
+      moved_ = find_moved(session_, options_, pool_, progress_);
+      summary_.moved_file = removed_path(output_);
+    }
     if (options_.voxel_size > 0.0) {
       write_thinned();
     } else {
@@ -106,6 +111,23 @@ class Exporter {
     writer.finish();
   }
 
+  bool is_moved(const MapPoint& point) const { return moved_ && moved_->moved(point.position); }
+
+  /// The file of what is left out; null if nothing is.
+  std::unique_ptr<CloudWriter> open_removed(std::uint64_t most_points) const {
+    if (!moved_) return nullptr;
+    CloudWriterOptions removed = writer_;
+    removed.fields.normals = false;
+    removed.most_points = most_points;
+    return open_cloud_writer(summary_.moved_file, removed);
+  }
+
+  void finish_removed(CloudWriter* removed) {
+    if (removed == nullptr) return;
+    write_offset_file(summary_.moved_file, writes_las_ ? Eigen::Vector3d::Zero() : writer_.offset);
+    removed->finish();
+  }
+
   void write_all() {
     writer_.most_intensity = 0.0F;
     for (const SessionScan& scan : session_.scans) {
@@ -117,22 +139,27 @@ class Exporter {
           session_, options_, fields, progress_, [this](const MapPoint& p) { note_intensity(p); });
     }
     const auto writer = open_cloud_writer(output_, writer_);
+    const auto removed = open_removed(writer_.most_points);
     for_each_point(session_, options_, fields, progress_, [&](const MapPoint& point) {
-      writer->add(coloured(point));
-      ++summary_.points_written;
+      const bool moved = is_moved(point);
+      (moved ? removed : writer)->add(coloured(point));
+      ++(moved ? summary_.moved_points : summary_.points_written);
     });
-    summary_.points_inside = summary_.points_written;
+    summary_.points_inside = summary_.points_written + summary_.moved_points;
     if (summary_.points_written == 0) throw nothing_left(session_, options_);
+    finish_removed(removed.get());
     finish(*writer);
   }
 
   void write_thinned() {
     ThinnedCloud cloud(options_.voxel_size);
-    for_each_point(session_, options_, writer_.fields, progress_, [&cloud](const MapPoint& point) {
-      cloud.add(point);
+    ThinnedCloud moved(options_.voxel_size);
+    for_each_point(session_, options_, writer_.fields, progress_, [&](const MapPoint& point) {
+      (is_moved(point) ? moved : cloud).add(point);
     });
     if (cloud.size() == 0) throw nothing_left(session_, options_);
-    summary_.points_inside = cloud.points_added();
+    summary_.moved_points = moved.points_added();
+    summary_.points_inside = cloud.points_added() + moved.points_added();
     const std::vector<std::uint32_t> kept = choose_points(cloud);
     summary_.outliers = cloud.size() - kept.size();
     summary_.points_written = kept.size();
@@ -144,6 +171,10 @@ class Exporter {
     writer_.most_points = kept.size();
     writer_.most_intensity = 0.0F;
     for (const std::uint32_t i : kept) note_intensity(cloud[i]);
+    for (std::size_t i = 0; i < moved.size(); ++i) note_intensity(moved[i]);
+    const auto removed = open_removed(moved.size());
+    for (std::size_t i = 0; i < moved.size(); ++i) removed->add(coloured(moved[i]));
+    finish_removed(removed.get());
     write(kept.size(), [&](std::uint64_t k) {
       CloudPoint point = coloured(cloud[kept[k]]);
       if (!normals.empty()) point.normal = normals[kept[k]];
@@ -185,7 +216,8 @@ class Exporter {
   const ExportProgress& progress_;
   CloudWriterOptions writer_;
   bool writes_las_ = false;
-  MapView view_;  ///< heights of the ends of the colours
+  std::unique_ptr<MovedReturns> moved_;  ///< null where everything stays
+  MapView view_;                         ///< heights of the ends of the colours
   CloudExportSummary summary_;
 };
 
@@ -199,6 +231,7 @@ CloudExportSummary export_cloud(const Session& session,
   const fs::path target = folder_path(output);  // "tiles/" is "tiles"
   require_options(target, options);
   require_target(target, options);
+  if (options.remove_dynamic) require_file_target(removed_path(target), options.overwrite);
   const Rigid3 product_from_map = frame_from_map(session, options.frame);
   const Session placed = moved(session, product_from_map);
   CloudExportSummary summary = Exporter(placed, target, options, pool, progress).run();

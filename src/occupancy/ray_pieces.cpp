@@ -31,31 +31,7 @@ RayTrack track_of(const RayLine& line) {
 }
 
 void draw(const RayTrack& track, const RayPiece& piece, std::int64_t tile_x, TileMask& mask) {
-  RayPosition next_y = track.first_y + piece.y_crossed * track.spacing_y;
-  RayPosition next_z = track.first_z + piece.z_crossed * track.spacing_z;
-  const std::int64_t origin = tile_x << position_bits;
-  std::int64_t x_at_y = track.x_at_first_y + piece.y_crossed * track.x_per_y - origin;
-  std::int64_t x_at_z = track.x_at_first_z + piece.z_crossed * track.x_per_z - origin;
-  const std::int64_t row_step_y = piece.y_falls ? -1 : 1;
-  const std::int64_t row_step_z = piece.z_falls ? -tile_side : tile_side;
-  std::int64_t row = piece.first_row;
-  std::int64_t x = piece.first_x;
-  const std::int64_t last_x = piece.last_x;
-  for (int i = piece.crossings; i > 0; --i) {
-    const bool y_first = next_y <= next_z;
-    const std::int64_t to = (y_first ? x_at_y : x_at_z) >> position_bits;
-    const std::int64_t until = std::clamp(to, x, last_x);
-    mask[static_cast<std::size_t>(row)] |=
-        bit_run(static_cast<std::int32_t>(x), static_cast<std::int32_t>(until));
-    x = until;
-    row += y_first ? row_step_y : row_step_z;
-    next_y += y_first ? track.spacing_y : 0;
-    x_at_y += y_first ? track.x_per_y : 0;
-    next_z += y_first ? 0 : track.spacing_z;
-    x_at_z += y_first ? 0 : track.x_per_z;
-  }
-  mask[static_cast<std::size_t>(row)] |=
-      bit_run(static_cast<std::int32_t>(x), static_cast<std::int32_t>(last_x));
+  trace(track, piece, tile_x, [&mask](std::size_t row, std::uint64_t run) { mask[row] |= run; });
 }
 
 }  // namespace kissmap::occupancy

@@ -25,6 +25,7 @@ struct CloudExportOptions {
   CloudFields fields;              ///< rgb: coloured by height, as in the session's picture
   bool intensity_if_there = true;  ///< adds the intensity where the log has one
   bool remove_outliers = false;    ///< see find_inliers; wants voxel_size > 0, as normals do
+  bool remove_dynamic = false;     ///< what moved, see MovedReturns
   bool compress = false;           ///< PCD only
   int tile_size = 0;  ///< m; > 0 writes a folder of tiles instead of a file, wants voxel_size > 0
   bool overwrite = false;
@@ -32,8 +33,10 @@ struct CloudExportOptions {
 };
 
 struct CloudExportSummary {
-  std::uint64_t points_inside = 0;  ///< replayed, within the ranges and the crop
-  std::uint64_t outliers = 0;       ///< voxels whose point was left out
+  std::uint64_t points_inside = 0;   ///< replayed, within the ranges and the crop
+  std::uint64_t moved_points = 0;    ///< of these, of what moved: not in the cloud
+  std::filesystem::path moved_file;  ///< the cloud they are in; empty if they are not to be removed
+  std::uint64_t outliers = 0;        ///< voxels whose point was left out
   std::uint64_t points_written = 0;
   std::uint64_t tiles = 0;
   Rigid3 frame_from_map;  ///< where the cloud lies beside trajectory.tum
@@ -46,7 +49,8 @@ struct CloudExportSummary {
 /// .ply or .las file, or with tile_size a folder of .pcd tiles and the metadata that Autoware's map
 /// loader reads. Points are in the order of their scans, voxels in that of their first points: the
 /// same bytes on every run and for any number of threads. Memory is bounded by the map, or without
-/// thinning by a few scans.
+/// thinning by a few scans. With remove_dynamic the log is read twice before, and points of what
+/// moved go into a cloud of their own, OUTPUT_removed, with the same fields but normals.
 /// PCD and PLY coordinates are relative to `offset`, which is zero while the map is within 8192 m
 /// of its origin; beyond, a file OUTPUT.offset.txt (offset.txt among tiles) says what to add.
 /// Throws Error(usage) for options that exclude each other, for fields the log cannot give and

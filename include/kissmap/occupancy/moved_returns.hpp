@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+
+#include "kissmap/mapping/placed_scan.hpp"
+#include "kissmap/parallel/thread_pool.hpp"
+
+namespace kissmap {
+
+struct MovedReturnsOptions {
+  double voxel_size = 0.1;  ///< m
+  /// A voxel holds what moved if more than this number of passages comes on each hit, in it and its
+  /// 26 neighbours together.
+  double passages_per_hit = 1.25;
+};
+
+/// Tells the returns of what moved from those of what stands, by the rays of other scans that
+/// passed through where the returns are.
+///
+/// For each voxel it counts hits (scans with a return in it) and passages (other scans with a ray
+/// that passed through its returns and ended 0.1 m or more behind them). A ray passes through
+/// returns if it comes within 1.3 standard deviations of their mean, where the covariance is that
+/// of the returns across the rays that brought them, with a prior of 0.05 m worth 0.7 returns: so a
+/// ray beside a pole or past the edge of a desk, in the same voxel, is none, and nor is one that
+/// ends on a floor it grazes (grazing_margins()). What moves is passed by many rays before it comes
+/// and after it is gone, all over; what is thin, by some rays between those that hit it.
+///
+/// Give all scans to add_returns(), then all to add_rays(), then decide(). Memory: about 70 bytes a
+/// voxel with a return, and 1 kB for each 64^3 voxels. Same for any number of threads. Reading is
+/// thread safe.
+class MovedReturns {
+ public:
+  /// Throws Error(usage) naming the option that is out of range.
+  explicit MovedReturns(const MovedReturnsOptions& options = {});
+  ~MovedReturns();
+
+  void add_returns(const PlacedScan& scan);
+  void add_rays(const PlacedScan& scan, ThreadPool& pool);
+  void decide(ThreadPool& pool);
+
+  /// Whether what was seen there [m] moved.
+  bool moved(const Eigen::Vector3d& place) const;
+
+  std::size_t voxels() const;        ///< with a return
+  std::size_t moved_voxels() const;  ///< of these
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kissmap

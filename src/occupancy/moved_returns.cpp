@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "kissmap/occupancy/moved_returns.hpp"
+
+#include <atomic>
+
+#include "kissmap/occupancy/grazing_margin.hpp"
+#include "occupancy/scan_rays.hpp"
+#include "occupancy/sightings.hpp"
+#include "options.hpp"
+
+namespace kissmap {
+
+using occupancy::Sighting;
+using occupancy::Sightings;
+
+class MovedReturns::Impl {
+ public:
+  explicit Impl(const MovedReturnsOptions& options)
+      : options_(options),
+        sightings_(
+            (require_between("voxel size", options.voxel_size, 0.01, 10.0), options.voxel_size)) {
+    require_between("passages per hit", options.passages_per_hit, 0.0, 1000.0);
+  }
+
+  void add_returns(const PlacedScan& scan) {
+    sightings_.add_returns(occupancy::rays_of(scan, scan.map_from_lidar, 0.0).view());
+  }
+
+  void add_rays(const PlacedScan& scan, ThreadPool& pool) {
+    if (!settled_) sightings_.settle(pool);
+    settled_ = true;
+    occupancy::ScanRays rays = occupancy::rays_of(scan, scan.map_from_lidar, 0.0);
+    rays.margins = grazing_margins(rays.view(), sightings_.geometry().voxel_size, grazing, pool);
+    sightings_.add_rays(rays.view(), pool);
+  }
+
+  void decide(ThreadPool& pool) {
+    std::atomic<std::size_t> all = 0;
+    std::atomic<std::size_t> moved = 0;
+    sightings_.for_each(pool, [&](const Voxel& voxel, Sighting& sighting) {
+      sighting.moved = is_passed_around(voxel);
+      ++all;
+      moved += sighting.moved ? 1 : 0;
+    });
+    voxels_ = all;
+    moved_voxels_ = moved;
+  }
+
+  bool moved(const Eigen::Vector3d& place) const {
+    const std::optional<Voxel> voxel = voxel_at(sightings_.geometry(), place);
+    const Sighting* sighting = voxel ? sightings_.at(*voxel) : nullptr;
+    return sighting != nullptr && sighting->moved;
+  }
+
+  std::size_t voxels() const { return voxels_; }
+  std::size_t moved_voxels() const { return moved_voxels_; }
+
+ private:
+  static constexpr GrazingOptions grazing{0.1, 0.03};
+
+  bool is_passed_around(const Voxel& voxel) const {
+    double hits = 0.0;
+    double passages = 0.0;
+    for (std::int32_t z = -1; z <= 1; ++z) {
+      for (std::int32_t y = -1; y <= 1; ++y) {
+        for (std::int32_t x = -1; x <= 1; ++x) {
+          const Sighting* near = sightings_.at({voxel.x + x, voxel.y + y, voxel.z + z});
+          if (near == nullptr) continue;
+          hits += near->hits;
+          passages += near->passages;
+        }
+      }
+    }
+    return passages > options_.passages_per_hit * hits;
+  }
+
+  MovedReturnsOptions options_;
+  Sightings sightings_;
+  bool settled_ = false;
+  std::size_t voxels_ = 0;
+  std::size_t moved_voxels_ = 0;
+};
+
+MovedReturns::MovedReturns(const MovedReturnsOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {
+}
+
+MovedReturns::~MovedReturns() = default;
+
+void MovedReturns::add_returns(const PlacedScan& scan) {
+  impl_->add_returns(scan);
+}
+
+void MovedReturns::add_rays(const PlacedScan& scan, ThreadPool& pool) {
+  impl_->add_rays(scan, pool);
+}
+
+void MovedReturns::decide(ThreadPool& pool) {
+  impl_->decide(pool);
+}
+
+bool MovedReturns::moved(const Eigen::Vector3d& place) const {
+  return impl_->moved(place);
+}
+
+std::size_t MovedReturns::voxels() const {
+  return impl_->voxels();
+}
+
+std::size_t MovedReturns::moved_voxels() const {
+  return impl_->moved_voxels();
+}
+
+}  // namespace kissmap
