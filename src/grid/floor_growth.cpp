@@ -15,6 +15,7 @@ namespace {
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double step_height = 0.08;  // m, between neighbouring surfaces of one floor
+constexpr double least_step = 0.03;   // m, to what may be a wall
 constexpr double steepest = 0.25;     // slope
 constexpr double widest_gap = 1.25;   // m, without any floor seen
 constexpr double step_cost = 5.0;     // m of way for a metre up or down
@@ -122,6 +123,7 @@ class Growth {
       float& z = field_.z[field_.index(from.x, from.y)];
       if (!std::isnan(z)) continue;  // this column has its floor
       z = from.z;
+      if (from.below_others) continue;  // it may be a wall whose foot is hidden
       for (const Step& step : steps_) go(from, cost, step);
     }
     return std::move(field_);
@@ -133,8 +135,10 @@ class Growth {
     const std::int32_t y = from.y + step.y;
     if (!columns_.holds(x, y) || !std::isnan(field_.z[field_.index(x, y)])) return;
     for (const std::uint32_t idx : columns_.at(x, y)) {
-      const double rise = std::abs(static_cast<double>(columns_.sample(idx).z - from.z));
-      if (rise > step_height + steepest * step.length) continue;
+      const FloorSample& to = columns_.sample(idx);
+      const double rise = std::abs(static_cast<double>(to.z - from.z));
+      const double most = to.below_others ? least_step : step_height + steepest * step.length;
+      if (rise > most) continue;
       offer(idx,
             cost + step.length * step.length / columns_.blank_field().cell_size + step_cost * rise);
     }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double slice_height = 0.1;          // m
 constexpr double least_below = 0.05;          // m, of floor below the sensor that sees it
+constexpr double highest_above = 0.7;         // m, above the sensor, that tells of walls
 constexpr float near_range = 8.0F;            // m; beyond, points count less
 constexpr float least_weight = 1.5F;          // of a slice: less is noise
 constexpr std::size_t enough_points = 16384;  // of a scan
@@ -26,7 +27,7 @@ FloorSample foot_of(const std::vector<SliceRow>& rows, std::size_t begin, std::s
   const bool is_wall = end - begin >= static_cast<std::size_t>(wall_slices);
   // The foot of a wall may lie on either side of a slice's end.
   if (is_wall) end = begin + (rows[begin].weight < 0.5F * rows[begin + 1].weight ? 2 : 1);
-  FloorSample sample{rows[begin].place.x, rows[begin].place.y, 0.0F, 0.0F};
+  FloorSample sample{rows[begin].place.x, rows[begin].place.y, 0.0F, 0.0F, false};
   for (std::size_t i = begin; i < end; ++i) {
     sample.z += rows[i].weight * rows[i].z;
     sample.weight += rows[i].weight;
@@ -49,16 +50,30 @@ void FloorSampler::add(const PlacedScan& scan, const Rigid3& level_from_map) {
     if (!(squared < reach_squared)) continue;
     const Eigen::Vector3d point = level_from_lidar * scan.points[i].cast<double>();
     const Eigen::Vector3d origin = level_from_lidar * scan.origins[i].cast<double>();
-    if (!(origin.z() - point.z() > least_below)) continue;
+    const double below = origin.z() - point.z();
+    if (!(below > -highest_above)) continue;
     const Voxel place{static_cast<std::int32_t>(std::floor(point.x() / cell_size_)),
                       static_cast<std::int32_t>(std::floor(point.y() / cell_size_)),
                       static_cast<std::int32_t>(std::floor(point.z() / slice_height))};
     const float weight =
         squared < near_range * near_range ? 1.0F : near_range * near_range / squared;
     Slice& slice = slices_[voxel_key(place)];
+    if (!(below > least_below)) {
+      slice.from_below += weight;
+      continue;
+    }
     slice.weight += weight;
     slice.height_sum += weight * static_cast<float>(point.z() - slice_height * place.z);
   }
+}
+
+bool FloorSampler::something_above(const Voxel& place) const {
+  float weight = 0.0F;
+  for (std::int32_t z = place.z + 2; z <= place.z + 6; ++z) {
+    const auto slice = slices_.find(voxel_key({place.x, place.y, z}));
+    if (slice != slices_.end()) weight += slice->second.weight + slice->second.from_below;
+  }
+  return weight >= least_weight;
 }
 
 std::vector<FloorSample> FloorSampler::samples() const {
@@ -82,6 +97,7 @@ std::vector<FloorSample> FloorSampler::samples() const {
       ++end;
     }
     samples.push_back(foot_of(rows, begin, end));
+    samples.back().below_others = something_above(rows[begin].place);
     begin = end;
   }
   return samples;

@@ -26,6 +26,8 @@ MappedScan true_place(const Simulator& simulator, std::size_t scan_idx, const Sc
   return mapped;
 }
 
+constexpr double range_noise = 0.02;  // m, of the sensors
+
 double share(std::size_t part, std::size_t whole) {
   return whole == 0 ? std::nan("") : static_cast<double>(part) / static_cast<double>(whole);
 }
@@ -47,6 +49,7 @@ GridJudge::GridJudge(const Simulator& simulator,
       map_(map),
       truth_(solids_in_band(simulator.caster().world(), frame_of(map), band)),
       returns_(map.cells.size(), 0),
+      clear_returns_(map.cells.size(), 0),
       crossed_(map.cells.size(), 0) {
 }
 
@@ -65,7 +68,11 @@ void GridJudge::observe(std::size_t scan_idx, bool crossings) {
     if (!floor || point.z() - *floor < band_.z_min || point.z() - *floor > band_.z_max) continue;
     const Eigen::Vector2i cell = map_.cell_of(point.head<2>());
     if (!map_.holds(cell.x(), cell.y())) continue;
-    returns_[map_.index(cell.x(), cell.y())] |= 1U << static_cast<unsigned>(labelled.classes[i]);
+    const std::uint32_t of_class = 1U << static_cast<unsigned>(labelled.classes[i]);
+    returns_[map_.index(cell.x(), cell.y())] |= of_class;
+    const double height = point.z() - *floor;
+    if (height < band_.z_min + range_noise || height > band_.z_max - range_noise) continue;
+    clear_returns_[map_.index(cell.x(), cell.y())] |= of_class;
   }
 }
 
@@ -90,7 +97,7 @@ bool GridJudge::near_occupied(int x, int y, int reach) const {
 bool GridJudge::is_seen_wall(int x, int y) const {
   const std::size_t i = map_.index(x, y);
   const auto wall = static_cast<unsigned>(simulator::ObjectClass::wall);
-  return ((truth_.classes[i] & returns_[i]) >> wall & 1U) != 0;
+  return ((truth_.classes[i] & clear_returns_[i]) >> wall & 1U) != 0;
 }
 
 int GridJudge::widest_wall_gap(int reach) const {

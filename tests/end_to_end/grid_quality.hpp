@@ -17,7 +17,8 @@ struct GridQuality {
   double recall = 0.0;     ///< of the plan's cells in which a return fell, those found
   std::array<double, simulator::object_classes> class_recall{};
   double free_recall = 0.0;  ///< of the empty cells that a ray crossed in the band, those free
-  int widest_wall_gap = 0;   ///< cells along x or y, of walls in which returns fell, none found
+  /// Cells along x or y, of walls in which returns fell, 2 cm within the band, and none was found.
+  int widest_wall_gap = 0;
 
   double recall_of(simulator::ObjectClass object_class) const {
     return class_recall[static_cast<std::size_t>(object_class)];
@@ -49,6 +50,8 @@ class GridJudge {
   const GridMap& map_;
   simulator::PlanTruth truth_;
   std::vector<std::uint32_t> returns_;  ///< bits of the classes of which a return fell into a cell
+  /// The same for returns that are not within the sensor's noise of the band's ends.
+  std::vector<std::uint32_t> clear_returns_;
   std::vector<std::uint8_t> crossed_;
 };
 

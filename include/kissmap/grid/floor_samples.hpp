@@ -18,6 +18,7 @@ struct FloorSample {
   std::int32_t y = 0;
   float z = 0.0F;       ///< m, level frame; mean of the points, near ones count more
   float weight = 0.0F;  ///< points, each by how near it was
+  bool below_others = false;  ///< something was seen 0.2 to 0.7 m above it, as on a wall
 };
 
 /// Gathers from scans what might be floor, in memory that grows with the area, not with the log.
@@ -41,7 +42,10 @@ class FloorSampler {
   struct Slice {
     float weight = 0.0F;
     float height_sum = 0.0F;  ///< m above the slice's lower end, weighted
+    float from_below = 0.0F;  ///< weight of points that are above their sensor
   };
+
+  bool something_above(const Voxel& place) const;
 
   double cell_size_;
   double reach_;
