@@ -225,7 +225,7 @@ TEST(MovedReturnsOfALog, CarsAndPeopleInATown) {
   simulator::Scenario scenario;
   scenario.columns = 1024;
   scenario.movers = 20;
-  const MoverTrial trial(scenario, 100, 1, 100);
+  const MoverTrial trial(scenario, 100, 1, 150);
   trial.report();
   EXPECT_GE(trial.removed_movers(), 0.95);
   EXPECT_LE(trial.removed_static(), 0.005);

@@ -14,7 +14,7 @@ struct MovedReturnsOptions {
   double voxel_size = 0.1;  ///< m
   /// A voxel holds what moved if more than this number of passages comes on each hit, in it and its
   /// 26 neighbours together.
-  double passages_per_hit = 1.25;
+  double passages_per_hit = 1.3;
 };
 
 /// Tells the returns of what moved from those of what stands, by the rays of other scans that
