@@ -19,6 +19,12 @@ void raise(std::uint16_t& count) {
   if (count != 0xFFFF) ++count;
 }
 
+/// Where in its tile the voxel of the lowest bit of a row is.
+Eigen::Vector3i place_of_bit(std::size_t row, std::uint64_t bits) {
+  const auto r = static_cast<std::int32_t>(row);
+  return {std::countr_zero(bits), r % tile_side, r / tile_side};
+}
+
 Eigen::Matrix3f matrix_of(const std::array<float, 6>& s) {
   Eigen::Matrix3f matrix;
   matrix << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
@@ -66,8 +72,8 @@ TileMask Sightings::Tile::mask() const {
   return mask;
 }
 
-Sighting& Sightings::Tile::at(std::int32_t x, std::int32_t y, std::int32_t z) {
-  const Place place = place_of({x, y, z});
+Sighting& Sightings::Tile::at(const Eigen::Vector3i& voxel) {
+  const Place place = place_of({voxel.x(), voxel.y(), voxel.z()});
   Block& block = stored[blocks[place.block] - 1U];
   return block.sightings[block.rank(place.row, place.bit)];
 }
@@ -162,27 +168,15 @@ bool Sightings::passes_through(const Sighting& sighting,
          nearest * nearest;
 }
 
-void Sightings::count(VoxelKey key,
-                      const TileWork& work,
-                      std::span<const RayTrack> tracks,
-                      const RayScan& scan,
-                      Tile& tile) const {
-  TileMask hits{};
-  work.mark_hits(hits);
-  TileMask open = tile.mask();  // neither hit nor passed yet
-  TileMask passed{};
-  for (std::size_t row = 0; row < open.size(); ++row) {
-    hits[row] &= open[row];
-    open[row] &= ~hits[row];
-  }
-  const Voxel number = voxel_from_key(key);
-  const Voxel first{number.x * tile_side, number.y * tile_side, number.z * tile_side};
+TileMask Sightings::passages(const Voxel& first,
+                             const TileWork& work,
+                             std::span<const RayTrack> tracks,
+                             const RayScan& scan,
+                             Tile& tile,
+                             TileMask open) const {
   const Eigen::Vector3f first_centre = (voxel_center(geometry_, first) - scan.offset).cast<float>();
   const auto voxel_size = static_cast<float>(geometry_.voxel_size.x());
-  const auto place_in_row = [](std::size_t row) {
-    return std::pair(static_cast<std::int32_t>(row) % tile_side,
-                     static_cast<std::int32_t>(row) / tile_side);
-  };
+  TileMask passed{};
   for (const auto& share : work.pieces) {
     for (const RayPiece& piece : share) {
       const Eigen::Vector3f& start = scan.starts[piece.ray];
@@ -191,23 +185,39 @@ void Sightings::count(VoxelKey key,
       const Eigen::Vector3f direction = way / length;
       trace(tracks[piece.ray], piece, first.x, [&](std::size_t row, std::uint64_t run) {
         for (std::uint64_t bits = open[row] & run; bits != 0; bits &= bits - 1) {
-          const std::int32_t x = std::countr_zero(bits);
-          const auto [y, z] = place_in_row(row);
-          const Eigen::Vector3f centre =
-              first_centre + voxel_size * Eigen::Vector3i(x, y, z).cast<float>() - start;
-          if (!passes_through(tile.at(x, y, z), centre, direction, length)) continue;
-          open[row] &= ~(std::uint64_t{1} << x);
-          passed[row] |= std::uint64_t{1} << x;
+          const Eigen::Vector3i place = place_of_bit(row, bits);
+          const Eigen::Vector3f centre = first_centre + voxel_size * place.cast<float>() - start;
+          if (!passes_through(tile.at(place), centre, direction, length)) continue;
+          open[row] &= ~(bits & -bits);
+          passed[row] |= bits & -bits;
         }
       });
     }
   }
+  return passed;
+}
+
+void Sightings::count(VoxelKey key,
+                      const TileWork& work,
+                      std::span<const RayTrack> tracks,
+                      const RayScan& scan,
+                      Tile& tile) const {
+  TileMask hits{};
+  work.mark_hits(hits);
+  TileMask open = tile.mask();  // not hit
   for (std::size_t row = 0; row < open.size(); ++row) {
-    for (std::uint64_t bits = hits[row] | passed[row]; bits != 0; bits &= bits - 1) {
-      const std::int32_t x = std::countr_zero(bits);
-      const auto [y, z] = place_in_row(row);
-      Sighting& sighting = tile.at(x, y, z);
-      raise((hits[row] >> x & 1U) != 0 ? sighting.hits : sighting.passages);
+    hits[row] &= open[row];
+    open[row] &= ~hits[row];
+  }
+  const Voxel number = voxel_from_key(key);
+  const Voxel first{number.x * tile_side, number.y * tile_side, number.z * tile_side};
+  const TileMask passed = passages(first, work, tracks, scan, tile, open);
+  for (std::size_t row = 0; row < open.size(); ++row) {
+    for (std::uint64_t bits = hits[row]; bits != 0; bits &= bits - 1) {
+      raise(tile.at(place_of_bit(row, bits)).hits);
+    }
+    for (std::uint64_t bits = passed[row]; bits != 0; bits &= bits - 1) {
+      raise(tile.at(place_of_bit(row, bits)).passages);
     }
   }
 }

@@ -57,11 +57,18 @@ class Sightings {
     std::array<std::uint16_t, 512> blocks{};  ///< place of a block plus one; 0: no return
     std::vector<Block> stored;
     TileMask mask() const;
-    Sighting& at(std::int32_t x, std::int32_t y, std::int32_t z);
+    Sighting& at(const Eigen::Vector3i& voxel);  ///< with a return, counted from the first
   };
 
   static Place place_of(const Voxel& voxel);
   Sighting& sighting_at(const Voxel& voxel);
+  /// Voxels of `open` through whose returns a ray passed.
+  TileMask passages(const Voxel& first,
+                    const TileWork& work,
+                    std::span<const RayTrack> tracks,
+                    const RayScan& scan,
+                    Tile& tile,
+                    TileMask open) const;
   void count(VoxelKey key,
              const TileWork& work,
              std::span<const RayTrack> tracks,

@@ -40,8 +40,8 @@ inline constexpr BandBelief localization_belief{{0.7, 0.465, 0.12, 0.97, 0.5}, 0
 ///
 /// Rays are cast through voxels whose z is the height above the floor: layers of them begin exactly
 /// at z_min and end exactly at z_max, and they follow ramps and hills. A ray is bent where the
-/// floor is, by straight pieces that are off by two centimetres at most. Rays are cast before anything
-/// is cut off in z. Same result for any number of threads. Not thread safe.
+/// floor is, by straight pieces that are off by two centimetres at most. Rays are cast before
+/// anything is cut off in z. Same result for any number of threads. Not thread safe.
 class BandMapper {
  public:
   BandMapper(const FloorMap& floor, const GridBand& band, const BandBelief& belief = {});

@@ -16,8 +16,8 @@ namespace kissmap {
 struct FloorSample {
   std::int32_t x = 0;  ///< column, in cells: covers [x c, (x+1) c)
   std::int32_t y = 0;
-  float z = 0.0F;       ///< m, level frame; mean of the points, near ones count more
-  float weight = 0.0F;  ///< points, each by how near it was
+  float z = 0.0F;             ///< m, level frame; mean of the points, near ones count more
+  float weight = 0.0F;        ///< points, each by how near it was
   bool below_others = false;  ///< something was seen 0.2 to 0.7 m above it, as on a wall
 };
 
