@@ -27,7 +27,7 @@ std::string offset_text(const Eigen::Vector3d& offset) {
 
 std::filesystem::path write_offset_file(const std::filesystem::path& output,
                                         const Eigen::Vector3d& offset) {
-  const std::filesystem::path file = output.string() + ".offset.txt";
+  std::filesystem::path file = output.string() + ".offset.txt";
   std::error_code ignored;
   if (is_offset_file(file)) std::filesystem::remove(file, ignored);
   if (offset.isZero(0.0)) return {};
