@@ -64,10 +64,15 @@ bool same(double a, double b) {
   return (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= 1e-6 * std::max(1.0, std::abs(b));
 }
 
+/// A program in Debian's Python with nothing but Debian's modules: -I leaves out the user's own.
+ProgramResult python(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {KISSMAP_TEST_PYTHON, "-I"});
+  return run_program(arguments);
+}
+
 /// Open3D has to find what the reader written from the specifications finds.
 void expect_open3d_reads(const fs::path& file, const std::vector<std::string>& columns) {
-  const ProgramResult result =
-      run_program({KISSMAP_TEST_PYTHON, KISSMAP_CLIENT_SOURCES "/read_open3d.py", file});
+  const ProgramResult result = python({KISSMAP_CLIENT_SOURCES "/read_open3d.py", file});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::vector<std::vector<double>> found = rows_of(result.out);
   const CloudTable expected = read_cloud(file);
@@ -82,8 +87,10 @@ void expect_open3d_reads(const fs::path& file, const std::vector<std::string>& c
 }
 
 TEST_F(ProductClients, Open3dReadsClouds) {
-  if (run_program({KISSMAP_TEST_PYTHON, "-c", "import open3d"}).exit_code != 0) {
-    GTEST_SKIP() << "needs Open3D (package python3-open3d)";
+  const ProgramResult import = python({"-c", "import open3d"});
+  if (import.exit_code != 0) {
+    GTEST_SKIP() << "needs Open3D (package python3-open3d), which could not be loaded: exit code "
+                 << import.exit_code << ", " << import.err;
   }
   expect_open3d_reads(product("cloud.pcd"), {"x", "y", "z"});
   export_cloud("packed.pcd", {"--compress"});
