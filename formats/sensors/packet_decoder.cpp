@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#include "formats/sensors/packet_decoder.hpp"
+
+#include <utility>
+
+namespace kissmap {
+
+std::optional<Scan> PacketDecoder::take() {
+  if (sweeps_.empty()) return std::nullopt;
+  std::optional<Scan> oldest(std::move(sweeps_.front()));
+  sweeps_.pop_front();
+  return oldest;
+}
+
+}  // namespace kissmap
