@@ -118,6 +118,11 @@ std::vector<Setting> log_settings(ReadOptions& log) {
        "",
        "float32 columns of headerless .bin files; 0: found by rule",
        &log.bin_columns},
+      {"log",
+       "topic",
+       "",
+       "topic of a bag or MCAP file that holds the scans; empty: the only one that does",
+       &log.topic},
   };
 }
 

@@ -31,6 +31,7 @@ inline constexpr const char* broken_content = "broken content";
 inline constexpr const char* no_coordinates = "no x, y, z";
 inline constexpr const char* no_time_field = "time field not found";
 inline constexpr const char* no_stamp = "no stamp";
+inline constexpr const char* unsupported = "not supported";
 }  // namespace refusal_reason
 
 }  // namespace kissmap

@@ -21,4 +21,16 @@ bool probe_point_folder(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_point_folder(const std::filesystem::path& path,
                                            const ReadOptions& options);
 
+bool probe_ros1_bag(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_ros1_bag_log(const std::filesystem::path& path,
+                                           const ReadOptions& options);
+
+bool probe_ros2_bag(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_ros2_bag_log(const std::filesystem::path& path,
+                                           const ReadOptions& options);
+
+bool probe_mcap(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_mcap_log(const std::filesystem::path& path,
+                                       const ReadOptions& options);
+
 }  // namespace kissmap

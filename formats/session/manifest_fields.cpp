@@ -22,7 +22,8 @@ ordered_json read_options_to_json(const ReadOptions& options) {
   return {{"kitti_elevation_correction", options.kitti_elevation_correction},
           {"time_field", options.time_field},
           {"time_unit", options.time_unit},
-          {"bin_columns", options.bin_columns}};
+          {"bin_columns", options.bin_columns},
+          {"topic", options.topic}};
 }
 
 ReadOptions read_options_from_json(const json& object) {
@@ -33,6 +34,8 @@ ReadOptions read_options_from_json(const json& object) {
   const std::uint64_t columns = unsigned_field(object, "bin_columns");
   require_kind(columns <= std::numeric_limits<int>::max(), "bin_columns", "a count", object);
   options.bin_columns = static_cast<int>(columns);
+  // Sessions made before bags were read have none.
+  if (object.contains("topic")) options.topic = string_field(object, "topic");
   return options;
 }
 

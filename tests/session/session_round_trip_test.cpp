@@ -59,6 +59,7 @@ void expect_same(const LogIdentity& a, const LogIdentity& b) {
   EXPECT_EQ(a.read_options.time_field, b.read_options.time_field);
   EXPECT_EQ(a.read_options.time_unit, b.read_options.time_unit);
   EXPECT_EQ(a.read_options.bin_columns, b.read_options.bin_columns);
+  EXPECT_EQ(a.read_options.topic, b.read_options.topic);
   EXPECT_EQ(a.selection, b.selection);
   EXPECT_EQ(a.files, b.files);
 }

@@ -20,6 +20,7 @@ struct ReadOptions {
   std::string time_field;  ///< name of the per-point time field; empty: found by rule
   std::string time_unit;   ///< s, ms, us, ns or none (no times); empty: found by rule
   int bin_columns = 0;     ///< float32 columns of a headerless .bin; 0: found by rule
+  std::string topic;       ///< of a bag or MCAP file; empty: the one that holds scans
 };
 /// Throws Error(usage) naming the field.
 void require_valid(const ReadOptions& options);

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: MIT
+#include "formats/containers/ros1_bag.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "formats/containers/byte_cursor.hpp"
+#include "formats/containers/chunked_source.hpp"
+#include "formats/containers/unpack.hpp"
+#include "formats/text/lines.hpp"
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+constexpr std::string_view magic = "#ROSBAG V2.0\n";
+constexpr std::uint64_t max_header_bytes = 1 << 20;  // of a record; real ones have some hundred
+
+enum Op : std::uint8_t {
+  message_data = 0x02,
+  bag_header = 0x03,
+  index_data = 0x04,
+  chunk_record = 0x05,
+  chunk_info = 0x06,
+  connection = 0x07
+};
+
+/// The fields name=value at the head of a record.
+class RecordHeader {
+ public:
+  explicit RecordHeader(Bytes bytes) {
+    ByteCursor cursor(bytes);
+    while (cursor.left() > 0) {
+      const std::string_view field = cursor.text32();
+      const std::size_t equals = field.find('=');
+      if (equals == std::string_view::npos) {
+        throw Refusal(refusal_reason::broken_content, "a field without '=' in a record's header");
+      }
+      fields_[field.substr(0, equals)] = field.substr(equals + 1);
+    }
+  }
+
+  std::string_view text(std::string_view name) const {
+    const auto found = fields_.find(name);
+    if (found == fields_.end()) {
+      throw Refusal(refusal_reason::broken_content,
+                    "a record without the field '" + std::string(name) + "'");
+    }
+    return found->second;
+  }
+  bool has(std::string_view name) const { return fields_.contains(name); }
+
+  template <class T>
+  T number(std::string_view name) const {
+    const std::string_view bytes = text(name);
+    return ByteCursor(std::as_bytes(std::span(bytes))).value<T>();
+  }
+
+ private:
+  std::map<std::string_view, std::string_view> fields_;
+};
+
+struct Record {
+  RecordHeader header;
+  Bytes data;
+  std::uint8_t op() const { return header.number<std::uint8_t>("op"); }
+};
+
+Record read_record(ByteCursor& cursor) {
+  RecordHeader header(cursor.block32());
+  return {std::move(header), cursor.block32()};
+}
+
+std::int64_t time_of(std::uint64_t packed) {
+  return static_cast<std::int64_t>(packed & 0xFFFFFFFFU) * 1'000'000'000 +
+         static_cast<std::int64_t>(packed >> 32U);
+}
+
+/// Connections by number, and the topics they belong to.
+class Connections {
+ public:
+  void add(const Record& record, std::vector<Topic>& topics) {
+    const auto number = record.header.number<std::uint32_t>("conn");
+    const RecordHeader about(record.data);
+    // The topic a connection is recorded under may differ from the one it was made with.
+    const std::string name(record.header.has("topic") ? record.header.text("topic")
+                                                      : about.text("topic"));
+    const std::string type(about.text("type"));
+    const auto same = [&](const Topic& topic) { return topic.name == name && topic.type == type; };
+    auto topic = std::ranges::find_if(topics, same);
+    if (topic == topics.end()) {
+      topics.push_back({name, type, MessageEncoding::ros1, std::nullopt});
+      topic = topics.end() - 1;
+    }
+    topic_of_[number] = static_cast<std::size_t>(topic - topics.begin());
+  }
+  std::optional<std::size_t> topic(std::uint32_t number) const {
+    const auto found = topic_of_.find(number);
+    return found == topic_of_.end() ? std::nullopt : std::optional(found->second);
+  }
+
+ private:
+  std::map<std::uint32_t, std::size_t> topic_of_;
+};
+
+/// Finds the messages among the records of a chunk. Topics that appear are added to `topics` where
+/// that is given; messages of unknown connections are left out.
+void find_messages(LoadedChunk& chunk, Connections& connections, std::vector<Topic>* topics) {
+  ByteCursor cursor(chunk.bytes);
+  while (cursor.left() > 0) {
+    const Record record = read_record(cursor);
+    const std::uint8_t op = record.op();
+    if (op == connection && topics != nullptr) connections.add(record, *topics);
+    if (op != message_data) continue;
+    const auto topic = connections.topic(record.header.number<std::uint32_t>("conn"));
+    if (!topic) continue;
+    const auto offset = static_cast<std::size_t>(record.data.data() - chunk.bytes.data());
+    chunk.messages.push_back(
+        {*topic, time_of(record.header.number<std::uint64_t>("time")), offset, record.data.size()});
+  }
+}
+
+/// Where a record lies in the file.
+struct RecordPlace {
+  std::uint64_t data_offset = 0;
+  std::uint64_t data_size = 0;  ///< as the record says, which may be more than is left
+  std::uint64_t end() const { return data_offset + data_size; }
+};
+
+/// Reads header and length of the record at `offset`; its header's bytes stay in `buffer`.
+RecordPlace locate_record(const ContainerFile& file,
+                          std::uint64_t offset,
+                          std::vector<std::byte>& buffer,
+                          Bytes& header) {
+  ByteCursor lengths(file.read(offset, 4, buffer));
+  const std::uint64_t header_size = lengths.value<std::uint32_t>();
+  if (header_size > max_header_bytes) {
+    throw Refusal(refusal_reason::broken_content, "no record begins here");
+  }
+  ByteCursor cursor(file.read(offset + 4, header_size + 4, buffer));
+  header = cursor.take(header_size);
+  const auto data_size = cursor.value<std::uint32_t>();
+  return {offset + 8 + header_size, data_size};
+}
+
+void load_chunk(const ContainerFile& file,
+                std::uint64_t offset,
+                std::vector<std::byte>& buffer,
+                std::vector<std::byte>& out) {
+  Bytes header_bytes;
+  const RecordPlace place = locate_record(file, offset, buffer, header_bytes);
+  const RecordHeader header(header_bytes);
+  const Compression compression = compression_named(header.text("compression"));
+  const std::uint64_t size = header.number<std::uint32_t>("size");
+  const bool whole = place.end() <= file.size();
+  if (compression == Compression::none) {
+    const Bytes there = file.read(place.data_offset, place.data_size, out);
+    out.resize(there.size());
+  } else {
+    unpack(compression, file.read(place.data_offset, place.data_size, buffer), size, out);
+  }
+  if (!whole) throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
+}
+
+class Ros1ChunkReader : public ChunkReader {
+ public:
+  Ros1ChunkReader(std::shared_ptr<const ContainerFile> file, Connections connections)
+      : file_(std::move(file)), connections_(std::move(connections)) {}
+
+  void load(const Chunk& chunk, LoadedChunk& to) override {
+    try {
+      load_chunk(*file_, chunk.offset, buffer_, to.bytes);
+    } catch (const Refusal&) {
+      salvage(to);
+      throw;
+    }
+    find_messages(to, connections_, nullptr);
+  }
+  void count(Chunk&) override {}
+
+ private:
+  void salvage(LoadedChunk& to) {
+    try {
+      find_messages(to, connections_, nullptr);
+    } catch (const Refusal&) {
+      // The cut goes through a record: what came before it was found.
+    }
+  }
+
+  std::shared_ptr<const ContainerFile> file_;
+  Connections connections_;
+  std::vector<std::byte> buffer_;
+};
+
+/// What is found out while a bag is opened.
+struct Opening {
+  std::shared_ptr<const ContainerFile> file;
+  ContainerIndex index;
+  Connections connections;
+};
+
+void add_chunk_info(const Record& record, Opening& bag) {
+  Chunk chunk;
+  chunk.offset = record.header.number<std::uint64_t>("chunk_pos");
+  chunk.first_ns = time_of(record.header.number<std::uint64_t>("start_time"));
+  chunk.last_ns = time_of(record.header.number<std::uint64_t>("end_time"));
+  chunk.counts.emplace();
+  ByteCursor counts(record.data);
+  for (auto left = record.header.number<std::uint32_t>("count"); left > 0; --left) {
+    const auto topic = bag.connections.topic(counts.value<std::uint32_t>());
+    const auto messages = counts.value<std::uint32_t>();
+    if (topic) (*chunk.counts)[*topic] += messages;
+  }
+  bag.index.chunks.push_back(std::move(chunk));
+}
+
+// Connections and chunk infos stand at the end, in this order.
+void read_index(Opening& bag, std::uint64_t index_offset, std::uint64_t chunk_count) {
+  std::vector<std::byte> buffer;
+  ByteCursor cursor(bag.file->read(index_offset, bag.file->size(), buffer));
+  while (cursor.left() > 0) {
+    const Record record = read_record(cursor);
+    if (record.op() == connection) bag.connections.add(record, bag.index.topics);
+    if (record.op() == chunk_info) add_chunk_info(record, bag);
+  }
+  if (bag.index.chunks.size() != chunk_count) {
+    throw Refusal(refusal_reason::truncated, "the index is not complete");
+  }
+}
+
+void look_through_chunk(Opening& bag, std::uint64_t offset, LoadedChunk& loaded) {
+  std::vector<std::byte> buffer;
+  std::optional<Refusal> damage;
+  try {
+    load_chunk(*bag.file, offset, buffer, loaded.bytes);
+  } catch (const Refusal& refusal) {
+    damage = refusal;
+  }
+  loaded.messages.clear();
+  try {
+    find_messages(loaded, bag.connections, &bag.index.topics);
+  } catch (const Refusal& refusal) {
+    if (!damage) damage = refusal;
+  }
+  Chunk chunk;
+  chunk.offset = offset;
+  chunk.first_ns = std::numeric_limits<std::int64_t>::max();
+  chunk.last_ns = std::numeric_limits<std::int64_t>::min();
+  chunk.counts.emplace();
+  for (const StoredMessage& message : loaded.messages) {
+    ++(*chunk.counts)[message.topic];
+    chunk.first_ns = std::min(chunk.first_ns, message.received_ns);
+    chunk.last_ns = std::max(chunk.last_ns, message.received_ns);
+  }
+  if (!loaded.messages.empty()) bag.index.chunks.push_back(std::move(chunk));
+  // A chunk with messages is read again, and its damage reported then.
+  if (damage && loaded.messages.empty()) throw Refusal(*damage);
+}
+
+// The index is missing: every chunk is unpacked once to learn what it holds.
+void look_through(Opening& bag, std::uint64_t offset) {
+  std::vector<std::byte> buffer;
+  LoadedChunk loaded;
+  bool chunk_reports_the_cut = false;
+  try {
+    while (offset < bag.file->size()) {
+      Bytes header_bytes;
+      const RecordPlace place = locate_record(*bag.file, offset, buffer, header_bytes);
+      const auto op = RecordHeader(header_bytes).number<std::uint8_t>("op");
+      if (op == chunk_record) look_through_chunk(bag, offset, loaded);
+      if (op == connection && place.end() <= bag.file->size()) {
+        std::vector<std::byte> record_bytes;
+        ByteCursor cursor(bag.file->read(offset, place.end() - offset, record_bytes));
+        bag.connections.add(read_record(cursor), bag.index.topics);
+      }
+      chunk_reports_the_cut = !bag.index.chunks.empty() && bag.index.chunks.back().offset == offset;
+      offset = place.end();
+    }
+    if (offset > bag.file->size() && !chunk_reports_the_cut) {
+      throw Refusal(refusal_reason::truncated, "the file ends inside of a record");
+    }
+  } catch (const Refusal& refusal) {
+    bag.index.damage.push_back({refusal.reason(),
+                                bag.file->path().string() + ": at byte " + std::to_string(offset) +
+                                    ": " + refusal.what() + "; what came before is read"});
+  }
+}
+
+void require_bag(const ContainerFile& file, Bytes start) {
+  const std::string_view text = text_of(start);
+  if (text.starts_with(magic)) return;
+  if (text.starts_with("#ROSBAG V1")) {
+    throw input_error(file.path(),
+                      "a ROS bag of version 1; convert it with 'rosbag migrate' or 'rosbag fix'");
+  }
+  throw input_error(file.path(),
+                    file.size() == 0 ? "has 0 bytes; copy it anew" : "is not a ROS 1 bag");
+}
+
+}  // namespace
+
+std::unique_ptr<MessageSource> open_ros1_bag(const std::filesystem::path& path) {
+  Opening bag{std::make_shared<ContainerFile>(path), {}, {}};
+  std::vector<std::byte> buffer;
+  require_bag(*bag.file, bag.file->read(0, magic.size(), buffer));
+  std::uint64_t index_offset = 0;
+  std::uint64_t chunk_count = 0;
+  std::uint64_t first_record = 0;
+  try {
+    Bytes header_bytes;
+    const RecordPlace place = locate_record(*bag.file, magic.size(), buffer, header_bytes);
+    const RecordHeader header(header_bytes);
+    if (header.number<std::uint8_t>("op") != bag_header) {
+      throw Refusal(refusal_reason::broken_header, "its first record is not a bag header");
+    }
+    if (header.has("encryptor") && !header.text("encryptor").empty()) {
+      throw input_error(path, "an encrypted bag; decrypt it with 'rosbag decrypt'");
+    }
+    index_offset = header.number<std::uint64_t>("index_pos");
+    chunk_count = header.number<std::uint32_t>("chunk_count");
+    first_record = place.end();
+  } catch (const Refusal& refusal) {
+    throw input_error(path, std::string("broken at its beginning: ") + refusal.what());
+  }
+  bool indexed = false;
+  if (index_offset >= first_record && index_offset <= bag.file->size()) {
+    try {
+      read_index(bag, index_offset, chunk_count);
+      indexed = true;
+    } catch (const Refusal&) {
+      bag.index = {};
+      bag.connections = {};
+    }
+  }
+  if (!indexed) {
+    bag.index.notes.push_back(path.filename().string() +
+                              " has no index, the recorder was stopped early or the file cut: "
+                              "looked through as a whole");
+    look_through(bag, first_record);
+  }
+  sum_counts(bag.index);
+  auto reader = std::make_unique<Ros1ChunkReader>(bag.file, std::move(bag.connections));
+  return std::make_unique<ChunkedSource>(bag.file, std::move(bag.index), std::move(reader));
+}
+
+}  // namespace kissmap

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "formats/logs/sweep_maker.hpp"
+
+#include <utility>
+
+#include "formats/clouds/refusal.hpp"
+#include "formats/clouds/scan_decoder.hpp"
+#include "formats/messages/cloud_message.hpp"
+
+namespace kissmap {
+namespace {
+
+class CloudMaker : public SweepMaker {
+ public:
+  CloudMaker(Topic topic, const ReadOptions& options)
+      : topic_(std::move(topic)), decoder_(options) {}
+
+  void add(const Message& message) override {
+    const CloudMessage cloud = read_cloud_message(message.data, topic_);
+    const bool stamped = cloud.stamp_ns != 0;
+    unstamped_ = unstamped_ || !stamped;
+    scan_ = decoder_.decode(cloud.records, stamped ? cloud.stamp_ns : message.received_ns);
+    if (!cloud.frame_from_points) return;
+    const Eigen::Isometry3f pose = cloud.frame_from_points->cast<float>();
+    for (Eigen::Vector3f& point : scan_->points) point = pose * point;
+  }
+
+  std::optional<Scan> take() override { return std::exchange(scan_, std::nullopt); }
+  bool one_scan_a_message() const override { return true; }
+
+  std::vector<std::string> notes() const override {
+    std::vector<std::string> notes{decoder_.time_note()};
+    if (unstamped_) notes.emplace_back("messages without a stamp: the time of recording stands in");
+    return notes;
+  }
+
+ private:
+  Topic topic_;
+  ScanDecoder decoder_;
+  std::optional<Scan> scan_;
+  bool unstamped_ = false;
+};
+
+}  // namespace
+
+bool holds_scans(const Topic& topic) {
+  return is_cloud_type(topic);
+}
+
+std::unique_ptr<SweepMaker> make_sweep_maker(const Topic& topic, const ReadOptions& options) {
+  return std::make_unique<CloudMaker>(topic, options);
+}
+
+}  // namespace kissmap

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "formats/containers/message_source.hpp"
+#include "kissmap/formats/scan_log.hpp"
+
+namespace kissmap {
+
+/// Turns the messages of one topic into scans. Not thread safe.
+class SweepMaker {
+ public:
+  virtual ~SweepMaker() = default;
+
+  /// Throws Refusal for a message that holds no scan.
+  virtual void add(const Message& message) = 0;
+  /// The oldest scan that is complete.
+  virtual std::optional<Scan> take() = 0;
+  /// No more messages come.
+  virtual void finish() {}
+  /// Each message is a scan: passing over messages is passing over scans.
+  virtual bool one_scan_a_message() const = 0;
+  /// What was decided so far, for the user.
+  virtual std::vector<std::string> notes() const = 0;
+};
+
+/// True for topics make_sweep_maker knows what to do with.
+bool holds_scans(const Topic& topic);
+std::unique_ptr<SweepMaker> make_sweep_maker(const Topic& topic, const ReadOptions& options);
+
+}  // namespace kissmap
