@@ -31,9 +31,21 @@ void run(const RunCommand& command);
 struct InfoCommand {
   std::filesystem::path path;
   std::string format;
+  std::string topic;
   bool all = false;
 };
 void info(const InfoCommand& command);
+
+struct ConvertCommand {
+  std::filesystem::path log;
+  std::filesystem::path output;
+  std::string to;
+  std::string format;
+  ReadOptions options;
+  ScanSelection selection;
+  bool quiet = false;
+};
+void convert(const ConvertCommand& command);
 
 struct PackCommand {
   std::filesystem::path session;

@@ -95,15 +95,46 @@ void print_whole(ScanLog& log, LogEntry entry) {
   std::fputs(describe_refusals(counts).c_str(), stdout);
 }
 
+void print_duration(const LogInfo& about) {
+  if (!about.time_range) return;
+  const auto [first, last] = *about.time_range;
+  const double seconds = 1e-9 * static_cast<double>(last - first);
+  std::printf("  duration    %.3f s", seconds);
+  if (about.scan_count && *about.scan_count > 1 && seconds > 0.0) {
+    std::printf(", %.2f scans a second", static_cast<double>(*about.scan_count - 1) / seconds);
+  }
+  std::printf("\n");
+}
+
+void print_topics(const LogInfo& about) {
+  for (const LogTopic& topic : about.topics) {
+    std::printf(
+        "  topic       %s (%s", printable(topic.name).c_str(), printable(topic.type).c_str());
+    if (topic.message_count)
+      std::printf(", %s messages", with_commas(*topic.message_count).c_str());
+    std::printf(")\n");
+  }
+  for (const LogTopic& topic : about.topics) {
+    if (topic.type != "sensor_msgs/NavSatFix" || topic.message_count == 0U) continue;
+    std::printf("  georeference on topic %s\n", printable(topic.name).c_str());
+  }
+}
+
 void print_log(const InfoCommand& command) {
-  const auto log = read_ahead(open_log(command.path, {}, command.format));
+  ReadOptions options;
+  options.topic = command.topic;
+  const auto log = read_ahead(open_log(command.path, options, command.format));
   const LogInfo& about = log->info();
   std::printf("%s\n  format      %s\n", about.path.c_str(), about.format.c_str());
+  if (!about.sensor.empty()) std::printf("  sensor      %s\n", printable(about.sensor).c_str());
   if (about.scan_count) std::printf("  scans       %s\n", with_commas(*about.scan_count).c_str());
+  print_duration(about);
   std::printf("  stamps      from %s\n", about.stamp_source.c_str());
   std::optional<LogEntry> entry = log->next();
   if (!entry) throw input_error(about.path, "holds no scan");
   print_scan(*entry);
+  if (!about.fields.empty()) std::printf("  fields      %s\n", printable(about.fields).c_str());
+  print_topics(about);
   for (const std::string& note : about.notes) std::printf("  note        %s\n", note.c_str());
   if (command.all) print_whole(*log, std::move(*entry));
 }

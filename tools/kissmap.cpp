@@ -7,12 +7,14 @@
 #include <new>
 
 #include "commands.hpp"
+#include "declare_convert.hpp"
 #include "declare_eval.hpp"
 #include "declare_export_cloud.hpp"
 #include "declare_export_grid.hpp"
 #include "declare_export_voxels.hpp"
 #include "declare_how.hpp"
 #include "declare_optimize.hpp"
+#include "declare_selection.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
 #include "report.hpp"
@@ -27,6 +29,7 @@ constexpr const char* footer =
 struct Commands {
   RunCommand run;
   InfoCommand info;
+  ConvertCommand convert;
   PackCommand pack;
   ProductsCommand products;
   OptimizeCommand optimize;
@@ -36,15 +39,6 @@ struct Commands {
   ExportVoxelsCommand export_voxels;
   std::map<const CLI::App*, std::function<void()>> action;
 };
-
-/// CLI11 lets -1 pass for a huge unsigned number.
-CLI::Validator whole_number() {
-  return {[](const std::string& text) -> std::string {
-            const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
-            return digits && text.size() < 16 ? "" : text + " is not a whole number from 0";
-          },
-          ""};
-}
 
 void declare_run(CLI::App& app, Commands& commands) {
   RunCommand& c = commands.run;
@@ -56,15 +50,7 @@ void declare_run(CLI::App& app, Commands& commands) {
       ->type_name("SESSION");
   command->add_option("--format", c.format, "format of the log (default: found by looking at it)")
       ->type_name("NAME");
-  command->add_option("--first", c.selection.first, "index of the first scan to use, from 0 (0)")
-      ->type_name("I")
-      ->check(whole_number());
-  command->add_option("--last", c.selection.last, "index of the last scan to use (end of the log)")
-      ->type_name("I")
-      ->check(whole_number());
-  command->add_option("--every", c.selection.every, "use every Nth scan (1)")
-      ->type_name("N")
-      ->check(whole_number());
+  declare_selection(*command, c.selection);
   command
       ->add_option("--threads",
                    c.threads,
@@ -85,11 +71,20 @@ void declare_others(CLI::App& app, Commands& commands) {
   CLI::App* about = app.add_subcommand("info", "Tell what is in a log or a session");
   about->add_option("PATH", commands.info.path, "log or session")->required();
   about->add_option("--format", commands.info.format, "format of the log")->type_name("NAME");
+  about
+      ->add_option("--topic",
+                   commands.info.topic,
+                   "topic of a bag or MCAP file to look at (the only one that holds scans)")
+      ->type_name("NAME");
   about->add_flag(
       "--all",
       commands.info.all,
       "of a log: read it whole, counts, bad scans, gaps; of a session: all its closures");
   commands.action[about] = [&c = commands.info] { info(c); };
+
+  commands.action[&declare_convert(app, commands.convert)] = [&c = commands.convert] {
+    convert(c);
+  };
 
   CLI::App* pack_command = app.add_subcommand(
       "pack", "Store every usable return of the log inside its session (steps of 2 mm)");

@@ -50,6 +50,18 @@ std::string names_of(const RecordLayout& layout) {
   return names.empty() ? "none" : names;
 }
 
+std::string described(const RecordLayout& layout) {
+  constexpr const char* types[] = {
+      "i8", "u8", "i16", "u16", "i32", "u32", "i64", "u64", "f32", "f64"};
+  std::string text;
+  for (const RecordField& field : layout.fields) {
+    text +=
+        (text.empty() ? "" : ", ") + field.name + " " + types[static_cast<std::size_t>(field.type)];
+    if (field.count > 1) text += "[" + std::to_string(field.count) + "]";
+  }
+  return text;
+}
+
 const RecordField& coordinate(const RecordLayout& layout, const char* name) {
   if (const RecordField* field = find_field(layout, name, true)) return *field;
   throw Refusal(
@@ -226,6 +238,7 @@ Scan ScanDecoder::decode(const PointRecords& records, std::int64_t stamp_ns) {
   Scan scan;
   scan.stamp_ns = stamp_ns;
   time_note_ = "no times of points";
+  if (fields_.empty()) fields_ = described(records.layout);
   const RecordField* time = time_field(records.layout);
   RawTimes times;
   if (time != nullptr) {

@@ -28,6 +28,9 @@ class ScanDecoder {
   /// What was decided about times with the scan decoded last, for the user.
   const std::string& time_note() const { return time_note_; }
 
+  /// Names and types of the fields of the first scan decoded: "x f32, y f32, ring u16".
+  const std::string& fields() const { return fields_; }
+
  private:
   const RecordField* time_field(const RecordLayout& layout) const;
   void apply_times(const RecordField& field, const RawTimes& times, Scan& scan);
@@ -35,6 +38,7 @@ class ScanDecoder {
   ReadOptions options_;
   std::optional<TimeReading> settled_;
   std::string time_note_;
+  std::string fields_;
 };
 
 }  // namespace kissmap

@@ -12,10 +12,26 @@
 #include "kissmap/error.hpp"
 
 namespace kissmap {
+namespace {
+
+std::optional<std::pair<std::int64_t, std::int64_t>> range_of(const FolderContent& content) {
+  std::optional<std::pair<std::int64_t, std::int64_t>> range;
+  if (content.stamps_are_indices) return range;
+  for (const ScanFile& scan : content.scans) {
+    if (!scan.stamp_ns) continue;
+    if (!range) range.emplace(*scan.stamp_ns, *scan.stamp_ns);
+    range->first = std::min(range->first, *scan.stamp_ns);
+    range->second = std::max(range->second, *scan.stamp_ns);
+  }
+  return range;
+}
+
+}  // namespace
 
 FolderLog::FolderLog(FolderContent content)
     : content_(std::move(content)), hashes_(content_.scans.size()) {
   content_.info.scan_count = content_.scans.size();
+  content_.info.time_range = range_of(content_);
 }
 
 std::optional<LogEntry> FolderLog::next() {

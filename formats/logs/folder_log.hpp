@@ -46,6 +46,7 @@ class FolderLog : public ScanLog {
   /// Nothing at the end.
   const LogEntry* peek();
   void add_note(const std::string& note) { content_.info.notes.push_back(note); }
+  void set_fields(const std::string& fields) { content_.info.fields = fields; }
 
  private:
   LogEntry read(std::size_t index);

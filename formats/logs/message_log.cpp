@@ -77,6 +77,12 @@ class MessageLog : public ScanLog {
                           ")");
     peeked_ = read();
     for (std::string& note : maker_->notes()) info_.notes.push_back(std::move(note));
+    info_.sensor = maker_->sensor();
+    info_.fields = maker_->fields();
+    info_.time_range = source_->time_range();
+    for (const Topic& other : source_->topics()) {
+      info_.topics.push_back({other.name, other.type, other.message_count});
+    }
   }
 
   const LogInfo& info() const override { return info_; }

@@ -57,6 +57,7 @@ std::unique_ptr<ScanLog> open_content(FolderContent content,
   const LogEntry* first = log->peek();
   if (first != nullptr && std::holds_alternative<Scan>(first->content)) {
     log->add_note(decoder->time_note());
+    log->set_fields(decoder->fields());
   }
   return log;
 }

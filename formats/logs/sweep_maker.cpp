@@ -27,6 +27,7 @@ class CloudMaker : public SweepMaker {
 
   std::optional<Scan> take() override { return std::exchange(scan_, std::nullopt); }
   bool one_scan_a_message() const override { return true; }
+  std::string fields() const override { return decoder_.fields(); }
 
   std::vector<std::string> notes() const override {
     std::vector<std::string> notes{decoder_.time_note()};

@@ -25,6 +25,9 @@ class SweepMaker {
   virtual bool one_scan_a_message() const = 0;
   /// What was decided so far, for the user.
   virtual std::vector<std::string> notes() const = 0;
+  /// The sensor, where the messages tell it, and the fields of a point, once a scan was made.
+  virtual std::string sensor() const { return ""; }
+  virtual std::string fields() const { return ""; }
 };
 
 /// True for topics make_sweep_maker knows what to do with.

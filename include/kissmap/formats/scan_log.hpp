@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -33,13 +34,25 @@ struct LogFile {
   friend bool operator==(const LogFile&, const LogFile&) = default;
 };
 
+/// A stream of messages in a bag or MCAP file.
+struct LogTopic {
+  std::string name;
+  std::string type;
+  std::optional<std::uint64_t> message_count;  ///< none where only reading to the end can tell
+};
+
 /// What is known of a log before its scans are read.
 struct LogInfo {
   std::string format;  ///< name in the list of formats
   std::filesystem::path path;
   std::optional<std::size_t> scan_count;  ///< none where only reading to the end can tell
   std::string stamp_source;               ///< "times.txt", "file names", "index" ...
-  std::vector<std::string> notes;         ///< decisions the reader took, for the user
+  /// First and last stamp, or time of recording [ns]; none where only reading can tell.
+  std::optional<std::pair<std::int64_t, std::int64_t>> time_range;
+  std::string sensor;              ///< where the log tells
+  std::string fields;              ///< of a point, with their types
+  std::vector<LogTopic> topics;    ///< of a bag or MCAP file, all of them
+  std::vector<std::string> notes;  ///< decisions the reader took, for the user
 };
 
 /// A scan that could not be read while the rest of the log can.
