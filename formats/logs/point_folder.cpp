@@ -7,6 +7,7 @@
 #include "formats/clouds/cloud_file.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/clouds/scan_decoder.hpp"
+#include "formats/datasets/datasets.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/logs/cloud_folder.hpp"
 #include "formats/logs/folder_log.hpp"
@@ -86,7 +87,9 @@ bool probe_point_folder(const fs::path& path) {
   try {
     if (fs::is_regular_file(path)) return kind_of_file(path).has_value();
     if (!fs::is_directory(path) || fs::exists(path / "session.json")) return false;
-    if (probe_kitti_odometry(path) || probe_kitti_raw(path)) return false;
+    if (probe_kitti_odometry(path) || probe_kitti_raw(path) || probe_any_dataset(path)) {
+      return false;
+    }
     const auto folders = find_cloud_folders(path);
     return !folders.empty() && !first_cloud_is_foreign(folders[0]);
   } catch (const std::exception&) {

@@ -11,10 +11,14 @@
 namespace kissmap {
 
 void fuzz_bin(std::span<const std::byte> input);
+void fuzz_cloud_message(std::span<const std::byte> input);
 void fuzz_edits(std::span<const std::byte> input);
 void fuzz_g2o(std::span<const std::byte> input);
+void fuzz_mcap(std::span<const std::byte> input);
 void fuzz_pcd(std::span<const std::byte> input);
 void fuzz_ply(std::span<const std::byte> input);
+void fuzz_rosbag(std::span<const std::byte> input);
+void fuzz_sqlite_bag(std::span<const std::byte> input);
 void fuzz_stamps(std::span<const std::byte> input);
 void fuzz_trajectory(std::span<const std::byte> input);
 
@@ -23,10 +27,14 @@ namespace {
 TEST(FuzzInputs, AreReadOrRefused) {
   const std::map<std::string, std::function<void(std::span<const std::byte>)>> targets = {
       {"bin", fuzz_bin},
+      {"cloud_message", fuzz_cloud_message},
       {"edits", fuzz_edits},
       {"g2o", fuzz_g2o},
+      {"mcap", fuzz_mcap},
       {"pcd", fuzz_pcd},
       {"ply", fuzz_ply},
+      {"rosbag", fuzz_rosbag},
+      {"sqlite_bag", fuzz_sqlite_bag},
       {"stamps", fuzz_stamps},
       {"trajectory", fuzz_trajectory}};
   for (const auto& [name, target] : targets) {

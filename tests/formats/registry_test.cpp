@@ -43,8 +43,8 @@ TEST(Registry, ListsAllFormatsWhereNoneFits) {
 
 TEST(Registry, SaysWhatAForeignFileIs) {
   const TempDir dir;
-  EXPECT_THAT(error_at(dir.write("log.dat", "#ROSBAG V2.0\n")), HasSubstr("log.dat is a ROS bag"));
-  EXPECT_THAT(error_at(dir.write("log.pkl", "\x89MCAP0\r\n")), HasSubstr("is a MCAP file"));
+  EXPECT_THAT(error_at(dir.write("log.dat", "LASF")), HasSubstr("log.dat is a LAS file"));
+  EXPECT_THAT(error_at(dir.write("log.pkl", "\x93NUMPY")), HasSubstr("is a NumPy array"));
   const TempDir folder;
   folder.write("0.bin", "SQLite format 3");
   EXPECT_THAT(error_at(folder.path()), HasSubstr("0.bin is a SQLite database"));

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdlib>
+#include <set>
+
+#include "formats/clouds/refusal.hpp"
+#include "formats/containers/message_source.hpp"
+#include "fuzz/input_file.hpp"
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+
+/// Reads every message of a container, which has to come to an end.
+template <class Open>
+void read_container(std::span<const std::byte> input, Open open) {
+  const FuzzInputFile file(input);
+  try {
+    const auto source = open(file.path());
+    std::set<std::size_t> all;
+    for (std::size_t i = 0; i < source->topics().size(); ++i) all.insert(i);
+    source->select(all);
+    Message message;
+    unsigned sum = 0;
+    while (source->next(message)) {
+      if (message.topic >= source->topics().size()) std::abort();
+      // Every byte has to be there.
+      for (const std::byte byte : message.data) sum += std::to_integer<unsigned>(byte);
+    }
+    [[maybe_unused]] volatile unsigned used = sum;
+  } catch (const Error& error) {
+    if (error.fault() != Fault::input) std::abort();
+  }
+}
+
+}  // namespace kissmap
