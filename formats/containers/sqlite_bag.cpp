@@ -154,8 +154,9 @@ class SqliteSource : public MessageSource {
   void read_topics() {
     Statement rows(database_.get(), "SELECT id, name, type, serialization_format FROM topics");
     while (rows.step()) {
-      const MessageEncoding encoding =
-          rows.text(3) == "cdr" ? MessageEncoding::cdr : MessageEncoding::other;
+      const MessageEncoding encoding = rows.text(3) == "cdr" || rows.text(3).empty()
+                                           ? MessageEncoding::cdr
+                                           : MessageEncoding::other;
       topic_of_[rows.integer(0)] = topics_.size();
       topics_.push_back({rows.text(1), ros_type_name(rows.text(2)), encoding, std::nullopt});
     }

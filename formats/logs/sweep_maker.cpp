@@ -5,7 +5,9 @@
 
 #include "formats/clouds/refusal.hpp"
 #include "formats/clouds/scan_decoder.hpp"
+#include "formats/logs/packet_maker.hpp"
 #include "formats/messages/cloud_message.hpp"
+#include "formats/messages/packet_message.hpp"
 
 namespace kissmap {
 namespace {
@@ -45,10 +47,11 @@ class CloudMaker : public SweepMaker {
 }  // namespace
 
 bool holds_scans(const Topic& topic) {
-  return is_cloud_type(topic);
+  return is_cloud_type(topic) || packet_family(topic) == PacketFamily::velodyne;
 }
 
 std::unique_ptr<SweepMaker> make_sweep_maker(const Topic& topic, const ReadOptions& options) {
+  if (packet_family(topic) != PacketFamily::none) return make_packet_maker(topic);
   return std::make_unique<CloudMaker>(topic, options);
 }
 

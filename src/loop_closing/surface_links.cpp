@@ -91,7 +91,8 @@ std::vector<SurfaceLink> link_surfaces(std::span<const StretchPlace> stretches,
   const std::vector<Pair> pairs = pairs_of(stretches, map_from_lidar);
   std::vector<std::vector<SurfaceLink>> found(stretches.size());
   pool.for_each_chunk(stretches.size(), [&](std::size_t reference) {
-    const auto [begin, end] = std::ranges::equal_range(pairs, reference, {}, &Pair::reference);
+    const auto begin = std::ranges::lower_bound(pairs, reference, {}, &Pair::reference);
+    const auto end = std::ranges::upper_bound(pairs, reference, {}, &Pair::reference);
     if (begin == end) return;
     const StretchPlace& to = stretches[reference];
     const SurfelMap map(surfels(reference), to.voxel_size);
