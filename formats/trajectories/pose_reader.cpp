@@ -11,6 +11,8 @@
 
 #include "formats/text/lines.hpp"
 #include "formats/text/stamps.hpp"
+#include "formats/trajectories/dataset_poses.hpp"
+#include "formats/trajectories/pose_fields.hpp"
 
 namespace kissmap {
 namespace {
@@ -19,68 +21,12 @@ constexpr std::size_t tum_columns = 8;
 constexpr std::size_t kitti_columns = 12;
 constexpr std::size_t least_euroc_columns = 8;
 
-// Four decimals, as some published files have, leave a quaternion off by 1e-4.
-constexpr double max_rotation_error = 0.01;
-constexpr double max_coordinate = 1e9;  // m
-
-using Fields = std::vector<std::string_view>;
-
-Fields split_at_spaces(std::string_view line) {
-  Fields fields;
-  for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
-    fields.push_back(word);
-  }
-  return fields;
-}
-
-Fields split_at_commas(std::string_view line) {
-  Fields fields;
-  for (std::size_t begin = 0, comma = 0; comma != std::string_view::npos; begin = comma + 1) {
-    comma = line.find(',', begin);
-    fields.push_back(trimmed(line.substr(begin, comma - begin)));
-  }
-  return fields;
-}
-
-double number(std::string_view field) {
-  const std::string_view digits = field.starts_with('+') ? field.substr(1) : field;
-  double value = 0.0;
-  const char* end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value);
-  if (error == std::errc::result_out_of_range && stop == end && digits.find("e-") != digits.npos) {
-    return 0.0;  // smaller than any double
-  }
-  if (error != std::errc() || stop != end || !std::isfinite(value)) {
-    throw std::invalid_argument(in_quotes(field) + " is not a finite number");
-  }
-  return value;
-}
-
-Eigen::Vector3d position(std::span<const std::string_view> fields) {
-  Eigen::Vector3d p(number(fields[0]), number(fields[1]), number(fields[2]));
-  if (p.cwiseAbs().maxCoeff() > max_coordinate) {
-    throw std::invalid_argument("a position beyond 1e9 m; are the columns in order?");
-  }
-  return p;
-}
-
-Eigen::Quaterniond unit_quaternion(const Eigen::Quaterniond& q) {
-  const double norm = q.norm();
-  if (std::abs(norm - 1.0) <= max_rotation_error) return q.normalized();
-  throw std::invalid_argument("the quaternion has length " + std::to_string(norm) +
-                              " instead of 1; are the columns in order?");
-}
-
-void require_columns(const Fields& fields, std::size_t least, std::size_t most) {
-  if (fields.size() >= least && fields.size() <= most) return;
-  throw std::invalid_argument(std::to_string(fields.size()) + " columns instead of " +
-                              std::to_string(least) + "; is the line cut?");
-}
-
 PoseRow tum_row(std::string_view line) {
   const Fields fields = split_at_spaces(line);
   require_columns(fields, tum_columns, tum_columns);
-  const auto stamp = nanoseconds_from_seconds(fields[0]);
+  // HeLiPR has whole nanoseconds.
+  auto stamp = nanoseconds_from_digits(fields[0]);
+  if (!stamp) stamp = nanoseconds_from_seconds(fields[0]);
   if (!stamp) {
     throw std::invalid_argument(in_quotes(fields[0]) +
                                 " is no stamp in seconds; nanoseconds have to be divided by 1e9");
@@ -107,29 +53,21 @@ PoseRow euroc_row(std::string_view line) {
 PoseRow kitti_row(std::string_view line) {
   const Fields fields = split_at_spaces(line);
   require_columns(fields, kitti_columns, kitti_columns);
-  Eigen::Matrix<double, 3, 4> matrix;
-  for (Eigen::Index i = 0; i < 12; ++i) {
-    matrix(i / 4, i % 4) = number(fields[static_cast<std::size_t>(i)]);
-  }
-  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
-  const Eigen::Matrix3d excess = rotation * rotation.transpose() - Eigen::Matrix3d::Identity();
-  if (!(excess.cwiseAbs().maxCoeff() <= max_rotation_error) || rotation.determinant() < 0.0) {
-    throw std::invalid_argument("columns 1-3, 5-7 and 9-11 are no rotation; are they in order?");
-  }
-  position(std::vector<std::string_view>{fields[3], fields[7], fields[11]});
-  return {std::nullopt, Rigid3::from_matrix(matrix)};
+  return {std::nullopt, pose_of_rows(fields)};
 }
 
 }  // namespace
 
 std::optional<PoseLayout> layout_of(std::string_view line) {
   if (line.find(',') != std::string_view::npos) {
-    return split_at_commas(line).size() >= least_euroc_columns ? std::optional(PoseLayout::euroc)
-                                                               : std::nullopt;
+    const auto fields = split_at_commas(line);
+    if (const auto layout = dataset_layout(fields)) return layout;
+    return fields.size() >= least_euroc_columns ? std::optional(PoseLayout::euroc) : std::nullopt;
   }
   const std::size_t columns = split_at_spaces(line).size();
   if (columns == tum_columns) return PoseLayout::tum;
   if (columns == kitti_columns) return PoseLayout::kitti;
+  if (columns == apollo_columns) return PoseLayout::apollo;
   return std::nullopt;
 }
 
@@ -139,6 +77,18 @@ const char* name_of(PoseLayout layout) {
       return "TUM";
     case PoseLayout::kitti:
       return "KITTI";
+    case PoseLayout::mulran:
+      return "MulRan";
+    case PoseLayout::boreas:
+      return "Boreas";
+    case PoseLayout::nclt:
+      return "NCLT";
+    case PoseLayout::newer_college:
+      return "Newer College";
+    case PoseLayout::spires:
+      return "Oxford Spires";
+    case PoseLayout::apollo:
+      return "Apollo-SouthBay";
     case PoseLayout::euroc:
       break;
   }
@@ -152,9 +102,26 @@ PoseRow read_pose_row(std::string_view line, PoseLayout layout) {
     case PoseLayout::kitti:
       return kitti_row(line);
     case PoseLayout::euroc:
-      break;
+      return euroc_row(line);
+    case PoseLayout::apollo:
+      return dataset_row(split_at_spaces(line), layout);
+    default:
+      return dataset_row(split_at_commas(line), layout);
   }
-  return euroc_row(line);
+}
+
+bool is_column_names(std::string_view line) {
+  const std::string_view text = trimmed(line);
+  const bool begins_with_letter =
+      !text.empty() && ((text[0] >= 'A' && text[0] <= 'Z') || (text[0] >= 'a' && text[0] <= 'z'));
+  return begins_with_letter && text.find(',') != std::string_view::npos &&
+         !text.starts_with("nan") && !text.starts_with("inf");
+}
+
+bool is_unknown_pose(std::string_view line, PoseLayout layout) {
+  if (layout != PoseLayout::nclt) return false;
+  const auto fields = split_at_commas(line);
+  return fields.size() > 1 && (fields[1] == "nan" || fields[1] == "NaN");
 }
 
 }  // namespace kissmap

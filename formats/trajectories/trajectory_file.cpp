@@ -19,7 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* known_layouts =
-    "known are TUM (stamp x y z qx qy qz qw), KITTI (12 numbers) and EuRoC (ns,x,y,z,qw,qx,qy,qz)";
+    "known are TUM (stamp x y z qx qy qz qw), KITTI (12 numbers), EuRoC (ns,x,y,z,qw,qx,qy,qz) and "
+    "the ground truth of MulRan, HeLiPR, Boreas, NCLT, Newer College, Oxford Spires and "
+    "Apollo-SouthBay";
 
 std::string at_line(std::size_t line) {
   return "line " + std::to_string(line) + ": ";
@@ -67,7 +69,9 @@ TrajectoryFile from_text(const fs::path& path) {
   Lines lines(without_byte_order_mark(text_of(bytes)));
   while (const auto line = lines.next_not_blank()) {
     if (trimmed(*line).starts_with('#')) continue;
+    if (!layout && is_column_names(*line)) continue;
     if (!layout) layout = require_layout(*line, lines.number(), path);
+    if (is_unknown_pose(*line, *layout)) continue;
     try {
       append_row(file, read_pose_row(*line, *layout));
     } catch (const std::invalid_argument& problem) {

@@ -11,7 +11,7 @@ namespace kissmap {
 
 struct TrajectoryFile {
   Trajectory trajectory;
-  std::string format;        ///< "session", "TUM", "KITTI" or "EuRoC"
+  std::string format;        ///< "session", "TUM", "KITTI", "EuRoC" or a data set's name
   std::size_t repeated = 0;  ///< poses with the stamp of the one before
 };
 
@@ -21,6 +21,9 @@ struct TrajectoryFile {
 /// - KITTI: the 12 numbers of [R | t], row by row, without stamps
 /// - EuRoC: stamp [ns],tx,ty,tz,qw,qx,qy,qz and any more columns
 ///   (ASL dataset format, state_groundtruth_estimate0/data.csv)
+/// - ground truth as published with MulRan (global_pose.csv, taken to the Ouster by its mount),
+///   HeLiPR, Boreas (lidar_poses.csv), NCLT (turned to z up), Newer College and Oxford Spires (of
+///   the camera or base they are given for: the mount is not applied) and Apollo-SouthBay
 /// Blank lines and lines that begin with # are passed over. Rotations are brought to unit length;
 /// one that is off by more than a hundredth is an error, as is a stamp before that of the pose
 /// before. Poses with the same stamp are kept (published trajectories have such) and counted.
