@@ -5,6 +5,7 @@
 
 #include "formats/clouds/refusal.hpp"
 #include "formats/messages/packet_message.hpp"
+#include "formats/sensors/hesai_decoder.hpp"
 #include "formats/sensors/velodyne_decoder.hpp"
 
 namespace kissmap {
@@ -42,6 +43,7 @@ std::unique_ptr<SweepMaker> make_packet_maker(const Topic& topic) {
     case PacketFamily::velodyne:
       return std::make_unique<PacketMaker>(topic, make_velodyne_decoder());
     case PacketFamily::hesai:
+      return std::make_unique<PacketMaker>(topic, make_hesai_decoder());
     case PacketFamily::ouster:
     case PacketFamily::none:
       break;

@@ -47,7 +47,9 @@ class CloudMaker : public SweepMaker {
 }  // namespace
 
 bool holds_scans(const Topic& topic) {
-  return is_cloud_type(topic) || packet_family(topic) == PacketFamily::velodyne;
+  const PacketFamily packets = packet_family(topic);
+  return is_cloud_type(topic) || packets == PacketFamily::velodyne ||
+         packets == PacketFamily::hesai;
 }
 
 std::unique_ptr<SweepMaker> make_sweep_maker(const Topic& topic, const ReadOptions& options) {
