@@ -87,6 +87,7 @@ class SqliteSource : public MessageSource {
     open();
     try {
       cut_ = is_cut(file_);
+      if (cut_) accept_missing_pages();
       read_topics();
       if (count) count_messages();
       read_time_range();
@@ -150,6 +151,9 @@ class SqliteSource : public MessageSource {
                                          : ""));
     }
   }
+
+  // Otherwise SQLite reads nothing of a file that is shorter than its header says.
+  void accept_missing_pages() { Statement(database_.get(), "PRAGMA writable_schema=ON").step(); }
 
   void read_topics() {
     Statement rows(database_.get(), "SELECT id, name, type, serialization_format FROM topics");
