@@ -64,7 +64,7 @@ constexpr LogFormat formats[] = {
      probe_paris_luco,
      open_paris_luco},
     {"folder",
-     "one .pcd, .ply or .bin file a scan",
+     "one .pcd, .ply, .bin, .npy, .xyz, .csv or .las file a scan",
      "a folder of such files, or one with a subfolder of them; times.txt beside; or one file",
      probe_point_folder,
      open_point_folder},

@@ -5,9 +5,12 @@
 #include <string_view>
 
 #include "formats/clouds/bin.hpp"
+#include "formats/clouds/las_reader.hpp"
+#include "formats/clouds/npy.hpp"
 #include "formats/clouds/pcd.hpp"
 #include "formats/clouds/ply.hpp"
 #include "formats/clouds/refusal.hpp"
+#include "formats/clouds/text_cloud.hpp"
 #include "formats/text/lines.hpp"
 
 namespace kissmap {
@@ -38,7 +41,7 @@ constexpr Mark foreign_marks[] = {{"#ROSBAG V"sv, "ROS bag"},
                                   {"version https://git-lfs"sv, "Git LFS pointer"}};
 
 const char* name_of(CloudKind kind) {
-  constexpr const char* names[] = {"PCD", "PLY", "BIN"};
+  constexpr const char* names[] = {"PCD", "PLY", "BIN", "NumPy array", "text", "LAS file"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -50,6 +53,12 @@ std::optional<CloudKind> kind_by_name(const std::filesystem::path& path) {
   if (extension == ".pcd") return CloudKind::pcd;
   if (extension == ".ply") return CloudKind::ply;
   if (extension == ".bin") return CloudKind::bin;
+  if (extension == ".npy") return CloudKind::npy;
+  if (extension == ".las") return CloudKind::las;
+  if (extension == ".xyz") return CloudKind::text;
+  const std::string stem = path.stem().string();
+  const bool numbered = !stem.empty() && stem.back() >= '0' && stem.back() <= '9';
+  if (extension == ".csv" && numbered) return CloudKind::text;
   return std::nullopt;
 }
 
@@ -75,6 +84,12 @@ PointRecords read_cloud(std::span<const std::byte> file, CloudKind kind, int bin
       return read_pcd(file);
     case CloudKind::ply:
       return read_ply(file);
+    case CloudKind::npy:
+      return read_npy(file);
+    case CloudKind::text:
+      return read_text_cloud(file);
+    case CloudKind::las:
+      return read_las(file);
     case CloudKind::bin:
       break;
   }

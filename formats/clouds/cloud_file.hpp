@@ -12,9 +12,10 @@
 namespace kissmap {
 
 /// The encodings of a file that holds one cloud.
-enum class CloudKind { pcd, ply, bin };
+enum class CloudKind { pcd, ply, bin, npy, text, las };
 
-/// By the end of the name, in upper or lower case.
+/// By the end of the name, in upper or lower case: .pcd, .ply, .bin, .npy, .las, .xyz, and .csv
+/// where the name ends in a digit before that, as tables beside clouds do not.
 std::optional<CloudKind> kind_by_name(const std::filesystem::path& path);
 
 /// What the first bytes of a file say it is, in words: "PCD", "PLY", or something that is no cloud

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A folder of .pcd, .ply or .bin files with one scan each, or a single such file.
+// A folder of cloud files with one scan each, or a single such file.
 #include <algorithm>
 #include <utility>
 
@@ -63,12 +63,14 @@ std::unique_ptr<ScanLog> open_content(FolderContent content,
   return log;
 }
 
-// A file of another name can still be a PCD or PLY; its content decides then.
+// A file of another name can still be a cloud; its content decides then.
 std::optional<CloudKind> kind_of_file(const fs::path& path) {
   if (const auto kind = kind_by_name(path)) return kind;
   const auto content = kind_by_content(first_bytes(path, probe_size));
   if (content == "PCD") return CloudKind::pcd;
   if (content == "PLY") return CloudKind::ply;
+  if (content == "NumPy array") return CloudKind::npy;
+  if (content == "LAS file") return CloudKind::las;
   return std::nullopt;
 }
 
@@ -78,7 +80,8 @@ bool first_cloud_is_foreign(const CloudFolder& folder) {
   const auto scans = list_files(folder.clouds, folder.prefix, is_cloud);
   if (scans.empty()) return true;
   const auto content = kind_by_content(first_bytes(scans[0].path, probe_size));
-  return content && content != "PCD" && content != "PLY";
+  return content && content != "PCD" && content != "PLY" && content != "NumPy array" &&
+         content != "LAS file";
 }
 
 }  // namespace
@@ -110,7 +113,7 @@ std::unique_ptr<ScanLog> open_point_folder(const fs::path& path, const ReadOptio
     return open_content(std::move(content), kind, options);
   }
   const auto kind = kind_of_file(path);
-  if (!kind) throw input_error(path, "neither a folder nor a .pcd, .ply or .bin file");
+  if (!kind) throw input_error(path, "neither a folder nor a .pcd, .ply, .bin, .npy, .xyz, .csv or .las file");
   std::error_code no_size;
   const auto size = fs::file_size(path, no_size);
   content.scans = {{path, path.filename().string(), no_size ? 0 : size, std::nullopt}};

@@ -43,8 +43,8 @@ TEST(Registry, ListsAllFormatsWhereNoneFits) {
 
 TEST(Registry, SaysWhatAForeignFileIs) {
   const TempDir dir;
-  EXPECT_THAT(error_at(dir.write("log.dat", "LASF")), HasSubstr("log.dat is a LAS file"));
-  EXPECT_THAT(error_at(dir.write("log.pkl", "\x93NUMPY")), HasSubstr("is a NumPy array"));
+  EXPECT_THAT(error_at(dir.write("log.dat", "PK\x03\x04")), HasSubstr("log.dat is a zip archive"));
+  EXPECT_THAT(error_at(dir.write("log.pkl", "\x1f\x8b")), HasSubstr("is a gzip archive"));
   const TempDir folder;
   folder.write("0.bin", "SQLite format 3");
   EXPECT_THAT(error_at(folder.path()), HasSubstr("0.bin is a SQLite database"));
