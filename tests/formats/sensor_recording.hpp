@@ -51,11 +51,6 @@ class NearestPoints {
     return static_cast<double>(near) / static_cast<double>(points.size());
   }
 
- private:
-  using Cell = std::tuple<long, long, long>;
-  Cell cell(const Eigen::Vector3d& p) const {
-    return {std::lround(p.x() / reach_), std::lround(p.y() / reach_), std::lround(p.z() / reach_)};
-  }
   bool has_near(const Eigen::Vector3d& point) const {
     const auto [x, y, z] = cell(point);
     for (int i = 0; i < 27; ++i) {
@@ -68,9 +63,28 @@ class NearestPoints {
     return false;
   }
 
+ private:
+  using Cell = std::tuple<long, long, long>;
+  Cell cell(const Eigen::Vector3d& p) const {
+    return {std::lround(p.x() / reach_), std::lround(p.y() / reach_), std::lround(p.z() / reach_)};
+  }
   double reach_;
   std::map<Cell, std::vector<Eigen::Vector3d>> cells_;
 };
+
+/// Of any `length` points in a row, the highest share that the other cloud has too. Programs cut
+/// turns at different directions: this finds the turn that the other cloud is of.
+inline double best_run(const NearestPoints& cloud,
+                       const std::vector<Eigen::Vector3d>& points,
+                       std::size_t length) {
+  std::vector<std::size_t> found{0};
+  for (const Eigen::Vector3d& point : points)
+    found.push_back(found.back() + (cloud.has_near(point) ? 1 : 0));
+  std::size_t best = 0;
+  for (std::size_t i = length; i < found.size(); ++i)
+    best = std::max(best, found[i] - found[i - length]);
+  return static_cast<double>(best) / static_cast<double>(length);
+}
 
 /// Pairs shots by distance and elevation, which the azimuth has no part in.
 class SameShots {
