@@ -32,7 +32,8 @@ void expect_points(const Scan& scan, bool with_intensity) {
   for (std::size_t i = 0; i < 300; ++i) {
     const auto k = static_cast<float>(i);
     ASSERT_EQ(scan.points[i], Eigen::Vector3f(1 + k, 2, -k / 8)) << i;
-    if (with_intensity) ASSERT_EQ(scan.intensities[i], static_cast<float>(i % 50)) << i;
+    if (!with_intensity) continue;
+    ASSERT_EQ(scan.intensities[i], static_cast<float>(i % 50)) << i;
   }
   EXPECT_EQ(scan.intensities.empty(), !with_intensity);
 }
@@ -61,8 +62,9 @@ TEST(NpyClouds, OfEveryTypeOrderAndLayout) {
     const Scan scan = only_scan(entry.path());
     expect_points(scan, group != 'b');
     EXPECT_EQ(scan.time_offsets.size(), group == 'c' ? 300U : 0U);
-    if (group == 'c') EXPECT_NEAR(scan.time_offsets[299], 0.0299, 1e-7);
     ++read;
+    if (group != 'c') continue;
+    EXPECT_NEAR(scan.time_offsets[299], 0.0299, 1e-7);
   }
   EXPECT_EQ(read, 10);
 }
@@ -90,7 +92,7 @@ TEST(NpyClouds, HostileHeadersAreRefused) {
        "truncated"},
       {npy("{'descr': '<f4', 'fortran_order': False, 'shape': (10,), }", data), "shape"},
       {npy("{'descr': '<f4', 'fortran_order': False, 'shape': (10, 2), }", data), "shape"},
-      {npy("{'descr': '|O', 'fortran_order': False, 'shape': (10, 3), }", data), "'|O'"},
+      {npy("{'descr': '|O', 'fortran_order': False, 'shape': (10, 3), }", data), "'O'"},
       {npy("{'descr': '<f4', 'shape': (10, 3), }", data), "fortran_order"},
       {npy("{'descr': [('x', '<f4'), ('y', ", data), "fortran_order"},
       {npy("", data), "descr"},
