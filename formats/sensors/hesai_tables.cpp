@@ -150,30 +150,30 @@ constexpr std::array<double, 128> qt_128_second_loop_us{
 }  // namespace
 
 namespace hesai {
-const HesaiModel xt_16{
+constinit const HesaiModel xt_16{
     "Hesai PandarXT-16", 16, 8, pandar_xt_16, true, 0.0, 50.0, {xt_16_us, xt_16_us}};
-const HesaiModel xt_32{
+constinit const HesaiModel xt_32{
     "Hesai PandarXT-32", 32, 8, pandar_xt_32, true, 0.0, 50.0, {xt_32_us, xt_32_us}};
-const HesaiModel xt_32m{
+constinit const HesaiModel xt_32m{
     "Hesai XT32M2X", 32, 6, pandar_xt_32m, true, 0.0, 50.0, {xt_32m_us, xt_32m_us}};
-const HesaiModel qt_128{"Hesai QT128C2X",
-                        128,
-                        2,
-                        pandar_qt_128,
-                        false,
-                        9.0,
-                        111.11,
-                        {qt_128_first_loop_us, qt_128_second_loop_us}};
-const HesaiModel pandar_64{
+constinit const HesaiModel qt_128{"Hesai QT128C2X",
+                                  128,
+                                  2,
+                                  pandar_qt_128,
+                                  false,
+                                  9.0,
+                                  111.11,
+                                  {qt_128_first_loop_us, qt_128_second_loop_us}};
+constinit const HesaiModel pandar_64{
     "Hesai Pandar64", 64, 6, pandar_64_angles, true, -42.58, 55.56, {pandar_64_us, pandar_64_us}};
-const HesaiModel pandar_40p{"Hesai Pandar40P",
-                            40,
-                            10,
-                            pandar_40p_angles,
-                            true,
-                            -28.58,
-                            55.56,
-                            {pandar_40p_us, pandar_40p_us}};
+constinit const HesaiModel pandar_40p{"Hesai Pandar40P",
+                                      40,
+                                      10,
+                                      pandar_40p_angles,
+                                      true,
+                                      -28.58,
+                                      55.56,
+                                      {pandar_40p_us, pandar_40p_us}};
 }  // namespace hesai
 
 }  // namespace kissmap

@@ -9,6 +9,7 @@ namespace kissmap {
 namespace {
 
 constexpr double full_turn_deg = 360.0;
+constexpr double rounding_deg = 0.005;  // sensors tell azimuths in hundredths of a degree
 constexpr double backwards_deg = 10.0;
 constexpr std::int64_t longest_gap_ns = 300'000'000;
 constexpr std::int64_t longest_sweep_ns = 1'000'000'000;
@@ -50,7 +51,7 @@ void SweepBuilder::begin_column(double azimuth_deg, std::int64_t time_ns, std::i
   covered_deg_ += step;
   last_azimuth_deg_ = azimuth_deg;
   last_time_ns_ = time_ns;
-  if (std::abs(covered_deg_) >= full_turn_deg) {
+  if (std::abs(covered_deg_) > full_turn_deg - rounding_deg) {
     finish();
     covered_deg_ = std::remainder(covered_deg_, full_turn_deg);
     begin_sweep(time_ns, host_ns);

@@ -345,7 +345,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Recording{"qt128", &test::qt_128_kind, {}, 0.3, 0.98},
                     Recording{"64", &test::pandar_64_kind, test::reference_pandar_64, 0.3, 0.98},
                     Recording{
-                        "40p", &test::pandar_40p_kind, test::reference_pandar_40p, 0.3, 0.98}));
+                        "40p", &test::pandar_40p_kind, test::reference_pandar_40p, 0.3, 0.98}),
+    [](const auto& recording) { return std::string(recording.param.folder); });
 
 }  // namespace
 }  // namespace kissmap

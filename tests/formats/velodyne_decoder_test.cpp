@@ -111,6 +111,22 @@ TEST(VelodyneDecoder, StaysWithTheHourItBeganWith) {
   EXPECT_EQ(take_all(*decoder).size(), 1U);
 }
 
+TEST(VelodyneDecoder, ASweepGoesOnOverTheHour) {
+  const auto decoder = make_velodyne_decoder();
+  constexpr std::int64_t on_the_hour_ns = 1'700'002'800 * second_ns;
+  for (int i = -3; i < 3; ++i) {
+    const auto us = static_cast<std::uint32_t>((3'600'000'000 + 1327 * i) % 3'600'000'000);
+    VelodynePacket packet(vlp_16, strongest, us);
+    packet.azimuths(36'000 + i * 48).shot(0, 0, 5000, 1);
+    decoder->add(packet.bytes(), on_the_hour_ns + 1'327'000 * i + 50'000'000);
+  }
+  decoder->finish();
+  const std::vector<Scan> scans = take_all(*decoder);
+  ASSERT_EQ(scans.size(), 1U);
+  EXPECT_EQ(scans[0].stamp_ns, on_the_hour_ns - 3 * 1'327'000);
+  EXPECT_NEAR(scans[0].time_offsets.back(), 5 * 1327e-6, 1e-9);
+}
+
 TEST(VelodyneDecoder, TimesFollowFromBlockAndPlace) {
   struct Case {
     unsigned product;
@@ -382,7 +398,8 @@ INSTANTIATE_TEST_SUITE_P(Bags,
                          VelodyneRecording,
                          testing::Values(Recording{"vlp16", "Velodyne VLP-16", 0.8, 0.42},
                                          Recording{"vlp32", "Velodyne VLP-32C", 0.2, 0.17},
-                                         Recording{"vls128", "Velodyne VLS-128", 0.3, 0.20}));
+                                         Recording{"vls128", "Velodyne VLS-128", 0.3, 0.20}),
+                         [](const auto& recording) { return std::string(recording.param.folder); });
 
 }  // namespace
 }  // namespace kissmap
