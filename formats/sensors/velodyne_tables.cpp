@@ -111,21 +111,20 @@ const VelodyneModel* find_velodyne_model(std::uint8_t product) {
 }
 
 double velodyne_shot_us(VelodynePace pace, std::size_t block, std::size_t place, double group_us) {
-  const auto b = static_cast<double>(block);
+  const auto times = [](std::size_t count, double us) { return static_cast<double>(count) * us; };
   switch (pace) {
     case VelodynePace::sixteen_twice:
-      return puck_firing_us * (2.0 * b + static_cast<double>(place / 16)) +
-             puck_shot_us * static_cast<double>(place % 16);
+      return times(2 * block + place / 16, puck_firing_us) + times(place % 16, puck_shot_us);
     case VelodynePace::thirty_two_pairs:
-      return puck_firing_us * b + puck_shot_us * static_cast<double>(place / 2);
+      return times(block, puck_firing_us) + times(place / 2, puck_shot_us);
     case VelodynePace::thirty_two:
-      return hdl_32e_firing_us * b + hdl_32e_shot_us * static_cast<double>(place);
+      return times(block, hdl_32e_firing_us) + times(place, hdl_32e_shot_us);
     case VelodynePace::eights:
       break;
   }
   const std::size_t laser = 32 * (block % 4) + place;
-  const auto groups = static_cast<double>(laser / 8 + 2 * (laser / 64));
-  return (static_cast<double>(block / 4) * velodyne_groups_per_firing + groups) * group_us -
+  const std::size_t groups = laser / 8 + 2 * (laser / 64);  // two pauses halfway
+  return times(block / 4, velodyne_groups_per_firing * group_us) + times(groups, group_us) -
          alpha_prime_stamp_us;
 }
 

@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
