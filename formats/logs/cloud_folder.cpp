@@ -68,7 +68,8 @@ std::vector<CloudFolder> find_cloud_folders(const fs::path& root) {
 CloudFolder the_cloud_folder(const fs::path& root) {
   const std::vector<CloudFolder> found = find_cloud_folders(root);
   if (found.size() == 1) return found[0];
-  if (found.empty()) throw input_error(root, "no .pcd, .ply, .bin, .npy, .xyz, .csv or .las file in it");
+  if (found.empty())
+    throw input_error(root, "no .pcd, .ply, .bin, .npy, .xyz, .csv or .las file in it");
   std::string names;
   for (const CloudFolder& folder : found) names += " " + folder.prefix;
   throw input_error(root, "several folders hold clouds:" + names + "; name one of them");
@@ -77,7 +78,8 @@ CloudFolder the_cloud_folder(const fs::path& root) {
 std::vector<ScanFile> list_clouds(const CloudFolder& folder) {
   const auto accept = [](const fs::path& path) { return is_cloud(path) || is_foreign_cloud(path); };
   std::vector<ScanFile> scans = list_files(folder.clouds, folder.prefix, accept);
-  if (scans.empty()) throw input_error(folder.clouds, "no .pcd, .ply, .bin, .npy, .xyz, .csv or .las file in it");
+  if (scans.empty())
+    throw input_error(folder.clouds, "no .pcd, .ply, .bin, .npy, .xyz, .csv or .las file in it");
   require_one_kind(folder, scans);
   return scans;
 }

@@ -29,6 +29,10 @@ bool probe_ros2_bag(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_ros2_bag_log(const std::filesystem::path& path,
                                            const ReadOptions& options);
 
+bool probe_capture(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_capture(const std::filesystem::path& path,
+                                      const ReadOptions& options);
+
 bool probe_mcap(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_mcap_log(const std::filesystem::path& path,
                                        const ReadOptions& options);

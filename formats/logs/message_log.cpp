@@ -68,7 +68,11 @@ class MessageLog : public ScanLog {
         topic_(source_->topics()[topic].name),
         maker_(make_sweep_maker(source_->topics()[topic], options)),
         info_(std::move(info)) {
-    source_->select({topic});
+    std::set<std::size_t> wanted{topic};
+    for (std::size_t i = 0; i < source_->topics().size(); ++i) {
+      if (maker_->wants(source_->topics()[i])) wanted.insert(i);
+    }
+    source_->select(wanted);
     const auto& count = source_->topics()[topic].message_count;
     if (count && maker_->one_scan_a_message()) info_.scan_count = *count;
     info_.stamp_source = "messages";
@@ -122,7 +126,7 @@ class MessageLog : public ScanLog {
           continue;
         }
         ++messages_;
-        maker_->add(message);
+        maker_->add(message, source_->topics()[message.topic]);
       } catch (const Refusal& refusal) {
         return LogEntry{
             0,

@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "formats/clouds/refusal.hpp"
+#include "formats/messages/message_reader.hpp"
 #include "formats/messages/packet_message.hpp"
 #include "formats/sensors/hesai_decoder.hpp"
+#include "formats/sensors/ouster_decoder.hpp"
 #include "formats/sensors/velodyne_decoder.hpp"
 
 namespace kissmap {
@@ -13,27 +15,82 @@ namespace {
 
 class PacketMaker : public SweepMaker {
  public:
-  PacketMaker(Topic topic, std::unique_ptr<PacketDecoder> decoder)
-      : topic_(std::move(topic)), decoder_(std::move(decoder)) {}
+  explicit PacketMaker(std::unique_ptr<PacketDecoder> decoder) : decoder_(std::move(decoder)) {}
 
-  void add(const Message& message) override {
-    for_each_packet(message, topic_, [this](std::span<const std::byte> packet, std::int64_t ns) {
+  void add(const Message& message, const Topic& topic) override {
+    for_each_packet(message, topic, [this](std::span<const std::byte> packet, std::int64_t ns) {
       decoder_->add(packet, ns);
     });
   }
-  std::optional<Scan> take() override { return decoder_->take(); }
-  void finish() override { decoder_->finish(); }
+  std::optional<Scan> take() override { return decoder_ ? decoder_->take() : std::nullopt; }
+  void finish() override {
+    if (decoder_) decoder_->finish();
+  }
   bool one_scan_a_message() const override { return false; }
-  std::string sensor() const override { return decoder_->sensor(); }
+  std::string sensor() const override { return decoder_ ? decoder_->sensor() : ""; }
   std::string fields() const override { return "x f32, y f32, z f32, intensity f32, time f32"; }
 
   std::vector<std::string> notes() const override {
     return {"sweeps from the packets of the sensor, with a time for each point"};
   }
 
- private:
-  Topic topic_;
+ protected:
   std::unique_ptr<PacketDecoder> decoder_;
+};
+
+constexpr std::size_t most_waiting_bytes = 64 << 20;
+
+/// Packets of an Ouster sensor wait until the metadata comes, which is recorded beside them.
+class OusterMaker : public PacketMaker {
+ public:
+  OusterMaker() : PacketMaker(nullptr) {}
+
+  bool wants(const Topic& topic) const override {
+    return topic.type == "std_msgs/String" && topic.name.find("metadata") != std::string::npos;
+  }
+
+  void add(const Message& message, const Topic& topic) override {
+    if (wants(topic)) {
+      if (!decoder_) begin(std::string(MessageReader(message.data, topic.encoding).text()));
+      return;
+    }
+    if (decoder_) return PacketMaker::add(message, topic);
+    waiting_bytes_ += message.data.size();
+    if (waiting_bytes_ > most_waiting_bytes) throw_missing();
+    waiting_.push_back({{message.topic, message.received_ns, {}},
+                        topic,
+                        {message.data.begin(), message.data.end()}});
+  }
+
+  void finish() override {
+    if (!decoder_) throw_missing();
+    PacketMaker::finish();
+  }
+
+ private:
+  struct Waiting {
+    Message message;
+    Topic topic;
+    std::vector<std::byte> data;
+  };
+
+  [[noreturn]] static void throw_missing() {
+    throw Refusal(refusal_reason::broken_content,
+                  "packets of an Ouster sensor without its metadata, a std_msgs/String on a topic "
+                  "named metadata");
+  }
+
+  void begin(const std::string& json) {
+    decoder_ = make_ouster_decoder(read_ouster_metadata(json, "metadata topic"));
+    for (Waiting& packet : waiting_) {
+      packet.message.data = packet.data;
+      PacketMaker::add(packet.message, packet.topic);
+    }
+    waiting_.clear();
+  }
+
+  std::vector<Waiting> waiting_;
+  std::size_t waiting_bytes_ = 0;
 };
 
 }  // namespace
@@ -41,10 +98,11 @@ class PacketMaker : public SweepMaker {
 std::unique_ptr<SweepMaker> make_packet_maker(const Topic& topic) {
   switch (packet_family(topic)) {
     case PacketFamily::velodyne:
-      return std::make_unique<PacketMaker>(topic, make_velodyne_decoder());
+      return std::make_unique<PacketMaker>(make_velodyne_decoder());
     case PacketFamily::hesai:
-      return std::make_unique<PacketMaker>(topic, make_hesai_decoder());
+      return std::make_unique<PacketMaker>(make_hesai_decoder());
     case PacketFamily::ouster:
+      return std::make_unique<OusterMaker>();
     case PacketFamily::none:
       break;
   }

@@ -113,7 +113,9 @@ std::unique_ptr<ScanLog> open_point_folder(const fs::path& path, const ReadOptio
     return open_content(std::move(content), kind, options);
   }
   const auto kind = kind_of_file(path);
-  if (!kind) throw input_error(path, "neither a folder nor a .pcd, .ply, .bin, .npy, .xyz, .csv or .las file");
+  if (!kind)
+    throw input_error(path,
+                      "neither a folder nor a .pcd, .ply, .bin, .npy, .xyz, .csv or .las file");
   std::error_code no_size;
   const auto size = fs::file_size(path, no_size);
   content.scans = {{path, path.filename().string(), no_size ? 0 : size, std::nullopt}};

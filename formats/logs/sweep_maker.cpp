@@ -14,11 +14,10 @@ namespace {
 
 class CloudMaker : public SweepMaker {
  public:
-  CloudMaker(Topic topic, const ReadOptions& options)
-      : topic_(std::move(topic)), decoder_(options) {}
+  explicit CloudMaker(const ReadOptions& options) : decoder_(options) {}
 
-  void add(const Message& message) override {
-    const CloudMessage cloud = read_cloud_message(message.data, topic_);
+  void add(const Message& message, const Topic& topic) override {
+    const CloudMessage cloud = read_cloud_message(message.data, topic);
     const bool stamped = cloud.stamp_ns != 0;
     unstamped_ = unstamped_ || !stamped;
     scan_ = decoder_.decode(cloud.records, stamped ? cloud.stamp_ns : message.received_ns);
@@ -38,7 +37,6 @@ class CloudMaker : public SweepMaker {
   }
 
  private:
-  Topic topic_;
   ScanDecoder decoder_;
   std::optional<Scan> scan_;
   bool unstamped_ = false;
@@ -47,14 +45,12 @@ class CloudMaker : public SweepMaker {
 }  // namespace
 
 bool holds_scans(const Topic& topic) {
-  const PacketFamily packets = packet_family(topic);
-  return is_cloud_type(topic) || packets == PacketFamily::velodyne ||
-         packets == PacketFamily::hesai;
+  return is_cloud_type(topic) || packet_family(topic) != PacketFamily::none;
 }
 
 std::unique_ptr<SweepMaker> make_sweep_maker(const Topic& topic, const ReadOptions& options) {
   if (packet_family(topic) != PacketFamily::none) return make_packet_maker(topic);
-  return std::make_unique<CloudMaker>(topic, options);
+  return std::make_unique<CloudMaker>(options);
 }
 
 }  // namespace kissmap

@@ -15,11 +15,14 @@ class SweepMaker {
  public:
   virtual ~SweepMaker() = default;
 
-  /// Throws Refusal for a message that holds no scan.
-  virtual void add(const Message& message) = 0;
+  /// A message of the topic the maker was made for, or of one it also `wants`. Throws Refusal for
+  /// a message that holds no scan.
+  virtual void add(const Message& message, const Topic& topic) = 0;
+  /// Topics that tell about the sensor.
+  virtual bool wants(const Topic&) const { return false; }
   /// The oldest scan that is complete.
   virtual std::optional<Scan> take() = 0;
-  /// No more messages come.
+  /// No more messages come. Throws Refusal where nothing could be made of them.
   virtual void finish() {}
   /// Each message is a scan: passing over messages is passing over scans.
   virtual bool one_scan_a_message() const = 0;

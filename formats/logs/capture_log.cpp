@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// Packet captures (pcap, pcapng) of one sensor on the network.
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "formats/clouds/cloud_file.hpp"
+#include "formats/clouds/refusal.hpp"
+#include "formats/containers/packet_capture.hpp"
+#include "formats/files/input_file.hpp"
+#include "formats/logs/logs.hpp"
+#include "formats/sensors/hesai_decoder.hpp"
+#include "formats/sensors/ouster_decoder.hpp"
+#include "formats/sensors/ouster_packet.hpp"
+#include "formats/sensors/velodyne_decoder.hpp"
+#include "formats/text/lines.hpp"
+#include "kissmap/error.hpp"
+
+namespace kissmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Family : std::uint8_t { velodyne, hesai, ouster };
+
+/// A stream of datagrams: where they go, and how long they are.
+struct Stream {
+  std::uint16_t port = 0;
+  std::size_t size = 0;
+  friend auto operator<=>(const Stream&, const Stream&) = default;
+};
+
+constexpr std::size_t datagrams_to_look_at = 20'000;
+constexpr std::size_t velodyne_size = 1206;
+constexpr std::size_t least_hesai_size = 500;
+
+bool begins_with(std::span<const std::byte> payload, int first, int second) {
+  return payload.size() > 2 && payload[0] == std::byte(first) && payload[1] == std::byte(second);
+}
+
+/// By the marks packets begin with; Ouster's have none.
+std::optional<Family> family_by_mark(std::span<const std::byte> payload) {
+  if (payload.size() == velodyne_size && begins_with(payload, 0xFF, 0xEE)) return Family::velodyne;
+  if (payload.size() >= least_hesai_size && begins_with(payload, 0xEE, 0xFF)) return Family::hesai;
+  return std::nullopt;
+}
+
+std::string listed(const std::map<Stream, std::uint64_t>& streams) {
+  std::string text;
+  for (const auto& [stream, count] : streams) {
+    text += "\n  to port " + std::to_string(stream.port) + ", " + std::to_string(stream.size) +
+            " bytes: " + std::to_string(count);
+  }
+  return text.empty() ? " none" : text;
+}
+
+/// What the first part of a capture holds.
+struct Survey {
+  std::map<Stream, std::uint64_t> streams;
+  std::map<std::uint16_t, Family> marked;  ///< by port
+};
+
+Survey look_at(const fs::path& path) {
+  Survey survey;
+  PacketCapture capture(path);
+  Datagram datagram;
+  for (std::size_t i = 0; i < datagrams_to_look_at && capture.next(datagram); ++i) {
+    ++survey.streams[{datagram.destination_port, datagram.payload.size()}];
+    const auto family = family_by_mark(datagram.payload);
+    if (family) survey.marked.emplace(datagram.destination_port, *family);
+  }
+  return survey;
+}
+
+/// Which datagrams are the sensor's, and what decodes them.
+struct Choice {
+  std::uint16_t port = 0;
+  std::unique_ptr<PacketDecoder> decoder;
+  std::vector<LogFile> side_files;
+};
+
+std::uint16_t chosen_port(const std::vector<std::uint16_t>& ports,
+                          const std::string& wanted,
+                          const fs::path& path) {
+  std::string list;
+  for (const std::uint16_t port : ports) {
+    if (wanted == std::to_string(port)) return port;
+    list += "\n  " + std::to_string(port);
+  }
+  if (!wanted.empty()) {
+    throw usage_error("--topic " + wanted + ": no sensor sends to this port in " + path.string() +
+                      "; ports:" + list);
+  }
+  if (ports.size() > 1) {
+    throw input_error(path, "sensors send to several ports; choose one with --topic:" + list);
+  }
+  return ports.front();
+}
+
+std::vector<std::uint16_t> ports_with(const Survey& survey, std::size_t size) {
+  std::vector<std::uint16_t> ports;
+  for (const auto& [stream, count] : survey.streams) {
+    if (stream.size == size) ports.push_back(stream.port);
+  }
+  return ports;
+}
+
+Choice choose_ouster(const fs::path& path, const Survey& survey, const std::string& wanted) {
+  const fs::path json = find_ouster_metadata(path);
+  const std::vector<std::byte> bytes = read_side_file(json);
+  const OusterMetadata about = read_ouster_metadata(text_of(bytes), json);
+  const std::size_t size = OusterPackets(about).packet_bytes();
+  const auto ports = ports_with(survey, size);
+  if (ports.empty()) {
+    throw input_error(path,
+                      "holds no packets of " + std::to_string(size) + " bytes, as " +
+                          json.filename().string() +
+                          " describes them; datagrams:" + listed(survey.streams));
+  }
+  return {chosen_port(ports, wanted, path),
+          make_ouster_decoder(about),
+          {{json.filename().string(), bytes.size(), ""}}};
+}
+
+Choice choose(const fs::path& path, const std::string& wanted) {
+  const Survey survey = look_at(path);
+  if (survey.streams.empty()) throw input_error(path, "holds no UDP datagrams");
+  if (survey.marked.empty()) {
+    try {
+      return choose_ouster(path, survey, wanted);
+    } catch (const Error& error) {
+      throw Error(error.fault(),
+                  std::string(error.what()) +
+                      "\nNo packets of Velodyne or Hesai in it either; datagrams:" +
+                      listed(survey.streams));
+    }
+  }
+  std::vector<std::uint16_t> ports;
+  for (const auto& [port, family] : survey.marked) ports.push_back(port);
+  const std::uint16_t port = chosen_port(ports, wanted, path);
+  return {
+      port,
+      survey.marked.at(port) == Family::velodyne ? make_velodyne_decoder() : make_hesai_decoder(),
+      {}};
+}
+
+class CaptureLog : public ScanLog {
+ public:
+  CaptureLog(const fs::path& path, Choice choice) : capture_(path), choice_(std::move(choice)) {
+    info_.format = "pcap";
+    info_.path = path;
+    info_.stamp_source = "packets";
+    info_.fields = "x f32, y f32, z f32, intensity f32, time f32";
+    info_.notes.push_back("packets to port " + std::to_string(choice_.port) +
+                          ", sweeps with a time for each point");
+    peeked_ = read();
+    info_.sensor = choice_.decoder->sensor();
+  }
+
+  const LogInfo& info() const override { return info_; }
+
+  std::optional<LogEntry> next() override {
+    std::optional<LogEntry> entry = peeked_ ? std::exchange(peeked_, std::nullopt) : read();
+    if (entry) entry->index = next_index_++;
+    return entry;
+  }
+
+  std::vector<LogFile> files() const override {
+    std::vector<LogFile> files = choice_.side_files;
+    files.push_back(capture_.log_file());
+    return files;
+  }
+
+ private:
+  std::string name() const { return "sweep " + std::to_string(sweeps_); }
+
+  std::optional<LogEntry> read() {
+    while (true) {
+      if (auto scan = choice_.decoder->take()) {
+        LogEntry entry{0, name(), std::move(*scan)};
+        ++sweeps_;
+        return entry;
+      }
+      if (at_end_) return read_damage();
+      Datagram datagram;
+      try {
+        if (!capture_.next(datagram)) {
+          at_end_ = true;
+          choice_.decoder->finish();
+        } else if (datagram.destination_port == choice_.port) {
+          choice_.decoder->add(datagram.payload, datagram.received_ns);
+        }
+      } catch (const Refusal& refusal) {
+        throw input_error(info_.path, refusal.what());
+      }
+    }
+  }
+
+  std::optional<LogEntry> read_damage() {
+    if (damage_read_ || !capture_.damage()) return std::nullopt;
+    damage_read_ = true;
+    return LogEntry{0,
+                    info_.path.filename().string(),
+                    RefusedScan{capture_.damage()->reason, capture_.damage()->detail}};
+  }
+
+  PacketCapture capture_;
+  Choice choice_;
+  LogInfo info_;
+  std::optional<LogEntry> peeked_;
+  std::size_t next_index_ = 0;
+  std::size_t sweeps_ = 0;
+  bool at_end_ = false;
+  bool damage_read_ = false;
+};
+
+}  // namespace
+
+bool probe_capture(const fs::path& path) {
+  const auto kind = kind_by_content(first_bytes(path, probe_size));
+  return kind == "pcap capture" || kind == "pcapng capture";
+}
+
+std::unique_ptr<ScanLog> open_capture(const fs::path& path, const ReadOptions& options) {
+  require_valid(options);
+  try {
+    return std::make_unique<CaptureLog>(path, choose(path, options.topic));
+  } catch (const Refusal& refusal) {
+    throw input_error(path, refusal.what());
+  }
+}
+
+}  // namespace kissmap
