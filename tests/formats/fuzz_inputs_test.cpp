@@ -11,6 +11,7 @@
 namespace kissmap {
 
 void fuzz_bin(std::span<const std::byte> input);
+void fuzz_capture(std::span<const std::byte> input);
 void fuzz_cloud_message(std::span<const std::byte> input);
 void fuzz_edits(std::span<const std::byte> input);
 void fuzz_g2o(std::span<const std::byte> input);
@@ -27,6 +28,7 @@ namespace {
 TEST(FuzzInputs, AreReadOrRefused) {
   const std::map<std::string, std::function<void(std::span<const std::byte>)>> targets = {
       {"bin", fuzz_bin},
+      {"capture", fuzz_capture},
       {"cloud_message", fuzz_cloud_message},
       {"edits", fuzz_edits},
       {"g2o", fuzz_g2o},

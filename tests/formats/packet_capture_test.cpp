@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+// Captures written byte by byte: containers, links, fragments.
+#include "formats/containers/packet_capture.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "formats/support.hpp"
+
+namespace kissmap {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Bytes;
+using test::error_of;
+using test::TempDir;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string big16(std::size_t value) {
+  return Bytes(std::endian::big).add<std::uint16_t>(static_cast<std::uint16_t>(value)).text();
+}
+
+std::string udp(std::uint16_t port, const std::string& payload) {
+  return big16(5000) + big16(port) + big16(payload.size() + 8) + big16(0) + payload;
+}
+
+std::string ipv4(const std::string& content,
+                 std::uint16_t id = 1,
+                 std::size_t place = 0,
+                 char protocol = 17) {
+  return std::string("\x45\x00", 2) + big16(content.size() + 20) + big16(id) + big16(place) +
+         "\x40" + protocol + big16(0) + "\x0a\x01\x01\x01\x0a\x01\x01\x02" + content;
+}
+
+std::string ethernet(const std::string& packet) {
+  return std::string(12, 'm') + "\x08" + std::string(1, '\0') + packet;
+}
+
+std::string pcap_head(std::uint32_t link, std::endian order, std::uint32_t magic) {
+  return Bytes(order)
+      .add<std::uint32_t>(magic)
+      .add<std::uint16_t>(2)
+      .add<std::uint16_t>(4)
+      .add<std::uint32_t>(0)
+      .add<std::uint32_t>(0)
+      .add<std::uint32_t>(262144)
+      .add<std::uint32_t>(link)
+      .text();
+}
+
+std::string pcap_record(const std::string& frame,
+                        std::uint32_t fraction = 5,
+                        std::endian order = std::endian::little,
+                        std::size_t original = 0) {
+  return Bytes(order)
+             .add<std::uint32_t>(1700000000)
+             .add<std::uint32_t>(fraction)
+             .add<std::uint32_t>(static_cast<std::uint32_t>(frame.size()))
+             .add<std::uint32_t>(static_cast<std::uint32_t>(std::max(original, frame.size())))
+             .text() +
+         frame;
+}
+
+std::string pcap(const std::vector<std::string>& frames, std::uint32_t link = 1) {
+  std::string file = pcap_head(link, std::endian::little, 0xA1B2C3D4);
+  for (const std::string& frame : frames) file += pcap_record(frame);
+  return file;
+}
+
+struct Read {
+  std::vector<std::string> payloads;
+  std::vector<std::int64_t> times;
+  std::optional<ContainerDamage> damage;
+  PassedOver passed_over;
+};
+
+Read read(const std::string& content) {
+  const TempDir dir;
+  PacketCapture capture(dir.write("c.pcap", content));
+  Read result;
+  Datagram datagram;
+  while (capture.next(datagram)) {
+    EXPECT_EQ(datagram.destination_port, 2368);
+    EXPECT_EQ(datagram.source_port, 5000);
+    result.payloads.emplace_back(reinterpret_cast<const char*>(datagram.payload.data()),
+                                 datagram.payload.size());
+    result.times.push_back(datagram.received_ns);
+  }
+  result.damage = capture.damage();
+  result.passed_over = capture.passed_over();
+  return result;
+}
+
+TEST(PacketCapture, OfBothResolutionsAndByteOrders) {
+  for (const std::endian order : {std::endian::little, std::endian::big}) {
+    for (const bool nanoseconds : {false, true}) {
+      const std::string file = pcap_head(1, order, nanoseconds ? 0xA1B23C4D : 0xA1B2C3D4) +
+                               pcap_record(ethernet(ipv4(udp(2368, "hello"))), 123456, order);
+      const Read got = read(file);
+      EXPECT_THAT(got.payloads, ElementsAre("hello"));
+      EXPECT_THAT(got.times,
+                  ElementsAre(1'700'000'000'000'000'000 + (nanoseconds ? 123456 : 123456000)));
+      EXPECT_FALSE(got.damage.has_value());
+    }
+  }
+}
+
+TEST(PacketCapture, OfEveryLink) {
+  const std::string packet = ipv4(udp(2368, "x"));
+  const std::string type = "\x08" + std::string(1, '\0');
+  const std::string vlan = "\x81" + std::string("\x00\x00\x05", 3);
+  EXPECT_THAT(read(pcap({std::string(12, 'm') + vlan + type + packet})).payloads, ElementsAre("x"));
+  EXPECT_THAT(read(pcap({std::string(12, 'm') + vlan + vlan + type + packet})).payloads,
+              ElementsAre("x"));
+  EXPECT_THAT(read(pcap({std::string(14, 'c') + type + packet}, 113)).payloads, ElementsAre("x"));
+  EXPECT_THAT(read(pcap({type + std::string(18, 'c') + packet}, 276)).payloads, ElementsAre("x"));
+  EXPECT_THAT(read(pcap({packet}, 101)).payloads, ElementsAre("x"));
+  EXPECT_THAT(read(pcap({packet}, 228)).payloads, ElementsAre("x"));
+  EXPECT_THAT(read(pcap({std::string(4, '\x02') + packet}, 0)).payloads, ElementsAre("x"));
+  EXPECT_EQ(read(pcap({packet}, 147)).passed_over.not_udp, 1U);
+}
+
+TEST(PacketCapture, OfIpv6WithAndWithoutFragments) {
+  const std::string addresses(32, 'a');
+  const auto ipv6 = [&](char next, const std::string& content) {
+    return std::string("\x60\x00\x00\x00", 4) + big16(content.size()) + next + "\x40" + addresses +
+           content;
+  };
+  EXPECT_THAT(read(pcap({ipv6(17, udp(2368, "six"))}, 101)).payloads, ElementsAre("six"));
+  const std::string whole = udp(2368, std::string(24, 'p'));
+  const auto piece = [&](std::size_t offset, std::size_t size, bool more) {
+    return ipv6(44,
+                std::string("\x11\x00", 2) + big16(offset | (more ? 1U : 0U)) +
+                    std::string("\x00\x00\x00\x09", 4) + whole.substr(offset, size));
+  };
+  EXPECT_THAT(read(pcap({piece(16, 16, false), piece(0, 16, true)}, 101)).payloads,
+              ElementsAre(std::string(24, 'p')));
+}
+
+// 40 bytes of payload with the 8 of the header, in pieces of 16.
+std::vector<std::string> fragments(std::uint16_t id, const std::string& payload) {
+  const std::string whole = udp(2368, payload);
+  std::vector<std::string> pieces;
+  for (std::size_t at = 0; at < whole.size(); at += 16) {
+    const bool more = at + 16 < whole.size();
+    pieces.push_back(ethernet(ipv4(whole.substr(at, 16), id, at / 8 + (more ? 0x2000 : 0))));
+  }
+  return pieces;
+}
+
+TEST(PacketCapture, FragmentsComeInAnyOrderTwiceAndMixed) {
+  const std::string a(40, 'a');
+  const std::string b(37, 'b');
+  const auto fa = fragments(1, a);
+  const auto fb = fragments(2, b);
+  EXPECT_THAT(read(pcap({fa[2], fb[0], fa[0], fa[0], fb[2], fa[1], fb[1]})).payloads,
+              ElementsAre(a, b));
+  const Read incomplete = read(pcap({fa[0], fa[2]}));
+  EXPECT_TRUE(incomplete.payloads.empty());
+}
+
+TEST(PacketCapture, FragmentsOfAFewDatagramsAreKept) {
+  std::vector<std::string> frames;
+  for (std::uint16_t id = 0; id < 1000; ++id) {
+    frames.push_back(fragments(id, std::string(40, 'a'))[0]);
+  }
+  const Read got = read(pcap(frames));
+  EXPECT_TRUE(got.payloads.empty());
+  EXPECT_EQ(got.passed_over.incomplete, 1000U - 64);
+}
+
+TEST(PacketCapture, WhatIsNoDatagramIsCounted) {
+  const std::string good = udp(2368, "good");
+  std::string long_length = udp(2368, "x");
+  long_length[4] = '\x7f';
+  const std::string file = pcap({ethernet(ipv4(good)),
+                                 ethernet(ipv4(good, 1, 0, 6)),
+                                 ethernet(ipv4(long_length)),
+                                 ethernet(ipv4(good).substr(0, 30)),
+                                 "short",
+                                 ethernet(std::string("\x45", 1))}) +
+                           pcap_record(ethernet(ipv4(good)), 5, std::endian::little, 2000);
+  const Read got = read(file);
+  EXPECT_THAT(got.payloads, ElementsAre("good"));
+  EXPECT_EQ(got.passed_over.not_udp, 2U);
+  EXPECT_EQ(got.passed_over.malformed, 3U);
+  EXPECT_EQ(got.passed_over.cut_short, 1U);
+}
+
+std::string block(std::uint32_t type, std::string body, std::endian order) {
+  body.resize((body.size() + 3) / 4 * 4, '\0');
+  const auto size = static_cast<std::uint32_t>(body.size() + 12);
+  return Bytes(order).add<std::uint32_t>(type).add<std::uint32_t>(size).text() + body +
+         Bytes(order).add<std::uint32_t>(size).text();
+}
+
+std::string enhanced(const std::string& frame, std::uint64_t ticks, std::endian order) {
+  const auto size = static_cast<std::uint32_t>(frame.size());
+  return block(6,
+               Bytes(order)
+                       .add<std::uint32_t>(0)
+                       .add<std::uint32_t>(static_cast<std::uint32_t>(ticks >> 32U))
+                       .add<std::uint32_t>(static_cast<std::uint32_t>(ticks))
+                       .add<std::uint32_t>(size)
+                       .add<std::uint32_t>(size)
+                       .text() +
+                   frame,
+               order);
+}
+
+TEST(PacketCapture, NextGenerationInBothByteOrdersWithSections) {
+  std::string file;
+  for (const std::endian order : {std::endian::little, std::endian::big}) {
+    const std::string section =
+        block(0x0A0D0D0A,
+              Bytes(order).add<std::uint32_t>(0x1A2B3C4D).add<std::uint32_t>(1).text() +
+                  std::string(8, '\xff'),
+              order);
+    const std::string resolution = Bytes(order).add<std::uint16_t>(9).add<std::uint16_t>(1).text() +
+                                   std::string("\x09\x00\x00\x00", 4);
+    const std::string interface = block(
+        1,
+        Bytes(order).add<std::uint16_t>(1).add<std::uint16_t>(0).add<std::uint32_t>(0).text() +
+            resolution,
+        order);
+    file += section + interface + block(0x777, "whatever", order) +
+            enhanced(ethernet(ipv4(udp(2368, "ng"))), 1'700'000'000'000'000'007, order);
+  }
+  const Read got = read(file);
+  EXPECT_THAT(got.payloads, ElementsAre("ng", "ng"));
+  EXPECT_THAT(got.times, ElementsAre(1'700'000'000'000'000'007, 1'700'000'000'000'000'007));
+  EXPECT_FALSE(got.damage.has_value());
+}
+
+TEST(PacketCapture, CutAnywhereGivesWhatCameBefore) {
+  const std::string record = pcap_record(ethernet(ipv4(udp(2368, "payload"))));
+  const std::string head = pcap({});
+  const std::string file = head + record + record + record;
+  for (std::size_t size = 0; size <= file.size(); ++size) {
+    if (size < head.size()) {
+      const TempDir dir;
+      const fs::path path = dir.write("c.pcap", file.substr(0, size));
+      EXPECT_THAT(error_of(Fault::input, [&] { PacketCapture capture(path); }),
+                  HasSubstr("c.pcap"));
+      continue;
+    }
+    const Read got = read(file.substr(0, size));
+    EXPECT_EQ(got.payloads.size(), (size - head.size()) / record.size());
+    EXPECT_EQ(got.damage.has_value(), (size - head.size()) % record.size() != 0);
+  }
+}
+
+TEST(PacketCapture, HostileLengthsAreDamage) {
+  std::string file = pcap({ethernet(ipv4(udp(2368, "good")))});
+  file += Bytes()
+              .add<std::uint32_t>(1)
+              .add<std::uint32_t>(1)
+              .add<std::uint32_t>(0xFFFFFFFF)
+              .add<std::uint32_t>(0)
+              .text();
+  const Read got = read(file + std::string(1000, 'x'));
+  EXPECT_THAT(got.payloads, ElementsAre("good"));
+  ASSERT_TRUE(got.damage.has_value());
+  EXPECT_EQ(got.damage->reason, "broken content");
+}
+
+}  // namespace
+}  // namespace kissmap
