@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 
 #include "kissmap/error.hpp"
 
@@ -19,7 +19,7 @@ ContainerFile::ContainerFile(const std::filesystem::path& path) : path_(path) {
   if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
     const int cause = errno;
     if (descriptor_ >= 0) ::close(descriptor_);
-    throw input_error(path, std::string("cannot be read: ") + std::strerror(cause));
+    throw input_error(path, "cannot be read: " + std::generic_category().message(cause));
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
@@ -43,7 +43,8 @@ std::span<const std::byte> ContainerFile::read(std::uint64_t offset,
     const ssize_t got = ::pread(
         descriptor_, buffer.data() + done, wanted - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw input_error(path_, std::string("cannot be read: ") + std::strerror(errno));
+    if (got < 0)
+      throw input_error(path_, "cannot be read: " + std::generic_category().message(errno));
     if (got == 0) break;  // it became shorter
     done += static_cast<std::size_t>(got);
   }

@@ -6,8 +6,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "formats/clouds/refusal.hpp"
@@ -50,7 +50,7 @@ struct CloseFile {
 
 [[noreturn]] void no_room(const fs::path& to) {
   throw output_error(to,
-                     std::string("cannot be written: ") + std::strerror(errno) +
+                     "cannot be written: " + std::generic_category().message(errno) +
                          "; the bag's packed file is unpacked there, set TMPDIR to a folder with "
                          "room");
 }
@@ -63,7 +63,7 @@ void write_all(std::FILE* file, const std::vector<char>& bytes, std::size_t n, c
 std::optional<ContainerDamage> unpack_to(const fs::path& packed, const fs::path& to) {
   const ContainerFile in(packed);
   const std::unique_ptr<std::FILE, CloseFile> out(std::fopen(to.c_str(), "wb"));
-  if (!out) throw output_error(to, std::string("cannot be written: ") + std::strerror(errno));
+  if (!out) throw output_error(to, "cannot be written: " + std::generic_category().message(errno));
   const std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context(ZSTD_createDCtx(),
                                                                         ZSTD_freeDCtx);
   std::vector<std::byte> buffer;

@@ -88,6 +88,7 @@ Picture draw_grid(const GridMap& map,
   Canvas canvas(view.width + 2 * border, view.height + 3 * border, paper);
   paint_cells(canvas, map, view);
   std::vector<Eigen::Vector2f> line;
+  line.reserve(trajectory.size());
   for (const Eigen::Vector2d& place : trajectory) line.push_back(view.pixel_of(map, place));
   if (!line.empty()) {
     canvas.draw_line(line, 1.2F, trajectory_colour);

@@ -7,8 +7,8 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <string>
+#include <system_error>
 
 #include "kissmap/error.hpp"
 
@@ -36,7 +36,7 @@ SurfelSpool::SurfelSpool(const std::filesystem::path& folder) : folder_(folder) 
   std::string name = (folder / "surfels-XXXXXX").string();
   descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0 || ::unlink(name.c_str()) != 0) {
-    throw output_error(folder, std::string("cannot be written to: ") + std::strerror(errno));
+    throw output_error(folder, "cannot be written to: " + std::generic_category().message(errno));
   }
 }
 
@@ -53,8 +53,9 @@ void SurfelSpool::add(const SurfelCloud& surfels) {
     const ssize_t written = ::pwrite(descriptor_, bytes, left, at);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
-      throw output_error(folder_,
-                         std::string("surfaces cannot be put aside: ") + std::strerror(errno));
+      throw output_error(
+          folder_,
+          std::string("surfaces cannot be put aside: ") + std::generic_category().message(errno));
     }
     bytes += written;
     at += written;

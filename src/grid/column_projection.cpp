@@ -73,7 +73,7 @@ GridMap project_columns(const OccupancyMap& voxels, const ColumnRule& rule) {
       ColumnCounts* row =
           &columns[map.index(block.first.x - area.low_x, block.first.y - area.low_y + y)];
       for (std::int32_t z = 0; z < side; ++z) {
-        const auto values = block.values.subspan(static_cast<std::size_t>((z * side + y) * side));
+        const auto values = block.values.subspan(static_cast<std::size_t>(z * side + y) * side);
         for (std::size_t x = 0; x < side; ++x) beliefs.count(values[x], row[x]);
       }
     }

@@ -83,6 +83,49 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
           EdgeKind::closure};
 }
 
+void add_closures(std::span<const Closure> closures,
+                  std::span<const ScanPlace> scans,
+                  const std::vector<Range>& ranges,
+                  PoseGraph& graph) {
+  const auto holds_scans = [&ranges](const Closure& closure) {
+    return closure.query_id < ranges.size() && closure.reference_id < ranges.size() &&
+           ranges[closure.query_id].end > 0 && ranges[closure.reference_id].end > 0;
+  };
+  for (const Closure& closure : closures) {
+    if (!holds_scans(closure)) throw input_error("closures", "a local map has no scans");
+    const Eigen::Vector3d center = closure.center_in_query;
+    graph.edges.push_back(link(
+        scans,
+        nearest_scan(scans, ranges[closure.reference_id], closure.reference_from_query * center),
+        nearest_scan(scans, ranges[closure.query_id], center),
+        closure.reference_from_query,
+        closure.sigmas.value_or(closure_sigmas)));
+    if (closure.trusted) graph.edges.back().kind = EdgeKind::odometry;
+  }
+}
+
+void add_neighbors(std::span<const NeighborLink> neighbors,
+                   std::span<const ScanPlace> scans,
+                   const std::vector<Range>& ranges,
+                   PoseGraph& graph) {
+  for (const NeighborLink& neighbor : neighbors) {
+    if (neighbor.reference_id + 1 >= ranges.size()) {
+      throw input_error("neighbors", "a local map has no scans");
+    }
+    const Range& reference = ranges[neighbor.reference_id];
+    const Range& query = ranges[neighbor.reference_id + 1];
+    if (reference.first + neighbor.reference_scan >= reference.end ||
+        query.first + neighbor.query_scan >= query.end) {
+      throw input_error("neighbors", "a local map has fewer scans");
+    }
+    graph.edges.push_back(link(scans,
+                               reference.first + neighbor.reference_scan,
+                               query.first + neighbor.query_scan,
+                               neighbor.reference_from_query,
+                               sigmas_of(neighbor)));
+  }
+}
+
 }  // namespace
 
 RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
@@ -105,37 +148,8 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
     graph.edges.push_back(
         {i - 1, i, motion, odometry_information(motion.translation.norm()), EdgeKind::odometry});
   }
-  const auto holds_scans = [&ranges](const Closure& closure) {
-    return closure.query_id < ranges.size() && closure.reference_id < ranges.size() &&
-           ranges[closure.query_id].end > 0 && ranges[closure.reference_id].end > 0;
-  };
-  for (const Closure& closure : closures) {
-    if (!holds_scans(closure)) throw input_error("closures", "a local map has no scans");
-    const Eigen::Vector3d center = closure.center_in_query;
-    graph.edges.push_back(link(
-        scans,
-        nearest_scan(scans, ranges[closure.reference_id], closure.reference_from_query * center),
-        nearest_scan(scans, ranges[closure.query_id], center),
-        closure.reference_from_query,
-        closure.sigmas.value_or(closure_sigmas)));
-    if (closure.trusted) graph.edges.back().kind = EdgeKind::odometry;
-  }
-  for (const NeighborLink& neighbor : neighbors) {
-    if (neighbor.reference_id + 1 >= ranges.size()) {
-      throw input_error("neighbors", "a local map has no scans");
-    }
-    const Range& reference = ranges[neighbor.reference_id];
-    const Range& query = ranges[neighbor.reference_id + 1];
-    if (reference.first + neighbor.reference_scan >= reference.end ||
-        query.first + neighbor.query_scan >= query.end) {
-      throw input_error("neighbors", "a local map has fewer scans");
-    }
-    graph.edges.push_back(link(scans,
-                               reference.first + neighbor.reference_scan,
-                               query.first + neighbor.query_scan,
-                               neighbor.reference_from_query,
-                               sigmas_of(neighbor)));
-  }
+  add_closures(closures, scans, ranges, graph);
+  add_neighbors(neighbors, scans, ranges, graph);
   PoseGraphOptions options;
   options.robust = false;
   RefinedTrajectory refined{optimize(graph, options).map_from_node, map_from_local_map};
