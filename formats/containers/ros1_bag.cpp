@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
-#include "formats/containers/byte_cursor.hpp"
-#include "formats/containers/chunked_source.hpp"
+#include "formats/containers/ros1_records.hpp"
 #include "formats/containers/unpack.hpp"
 #include "formats/text/lines.hpp"
 #include "kissmap/error.hpp"
@@ -14,156 +12,9 @@
 namespace kissmap {
 namespace {
 
-using Bytes = std::span<const std::byte>;
+using namespace ros1;
 
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
-constexpr std::uint64_t max_header_bytes = 1 << 20;  // of a record; real ones have some hundred
-
-enum Op : std::uint8_t {
-  message_data = 0x02,
-  bag_header = 0x03,
-  index_data = 0x04,
-  chunk_record = 0x05,
-  chunk_info = 0x06,
-  connection = 0x07
-};
-
-/// The fields name=value at the head of a record.
-class RecordHeader {
- public:
-  explicit RecordHeader(Bytes bytes) {
-    ByteCursor cursor(bytes);
-    while (cursor.left() > 0) {
-      const std::string_view field = cursor.text32();
-      const std::size_t equals = field.find('=');
-      if (equals == std::string_view::npos) {
-        throw Refusal(refusal_reason::broken_content, "a field without '=' in a record's header");
-      }
-      fields_[field.substr(0, equals)] = field.substr(equals + 1);
-    }
-  }
-
-  std::string_view text(std::string_view name) const {
-    const auto found = fields_.find(name);
-    if (found == fields_.end()) {
-      throw Refusal(refusal_reason::broken_content,
-                    "a record without the field '" + std::string(name) + "'");
-    }
-    return found->second;
-  }
-  bool has(std::string_view name) const { return fields_.contains(name); }
-
-  template <class T>
-  T number(std::string_view name) const {
-    const std::string_view bytes = text(name);
-    return ByteCursor(std::as_bytes(std::span(bytes))).value<T>();
-  }
-
- private:
-  std::map<std::string_view, std::string_view> fields_;
-};
-
-struct Record {
-  RecordHeader header;
-  Bytes data;
-  std::uint8_t op() const { return header.number<std::uint8_t>("op"); }
-};
-
-Record read_record(ByteCursor& cursor) {
-  RecordHeader header(cursor.block32());
-  return {std::move(header), cursor.block32()};
-}
-
-std::int64_t time_of(std::uint64_t packed) {
-  return static_cast<std::int64_t>(packed & 0xFFFFFFFFU) * 1'000'000'000 +
-         static_cast<std::int64_t>(packed >> 32U);
-}
-
-/// Connections by number, and the topics they belong to.
-class Connections {
- public:
-  void add(const Record& record, std::vector<Topic>& topics) {
-    const auto number = record.header.number<std::uint32_t>("conn");
-    const RecordHeader about(record.data);
-    // The topic a connection is recorded under may differ from the one it was made with.
-    const std::string name(record.header.has("topic") ? record.header.text("topic")
-                                                      : about.text("topic"));
-    const std::string type(about.text("type"));
-    const auto same = [&](const Topic& topic) { return topic.name == name && topic.type == type; };
-    auto topic = std::ranges::find_if(topics, same);
-    if (topic == topics.end()) {
-      topics.push_back({name, type, MessageEncoding::ros1, std::nullopt});
-      topic = topics.end() - 1;
-    }
-    topic_of_[number] = static_cast<std::size_t>(topic - topics.begin());
-  }
-  std::optional<std::size_t> topic(std::uint32_t number) const {
-    const auto found = topic_of_.find(number);
-    return found == topic_of_.end() ? std::nullopt : std::optional(found->second);
-  }
-
- private:
-  std::map<std::uint32_t, std::size_t> topic_of_;
-};
-
-/// Finds the messages among the records of a chunk. Topics that appear are added to `topics` where
-/// that is given; messages of unknown connections are left out.
-void find_messages(LoadedChunk& chunk, Connections& connections, std::vector<Topic>* topics) {
-  ByteCursor cursor(chunk.bytes);
-  while (cursor.left() > 0) {
-    const Record record = read_record(cursor);
-    const std::uint8_t op = record.op();
-    if (op == connection && topics != nullptr) connections.add(record, *topics);
-    if (op != message_data) continue;
-    const auto topic = connections.topic(record.header.number<std::uint32_t>("conn"));
-    if (!topic) continue;
-    const auto offset = static_cast<std::size_t>(record.data.data() - chunk.bytes.data());
-    chunk.messages.push_back(
-        {*topic, time_of(record.header.number<std::uint64_t>("time")), offset, record.data.size()});
-  }
-}
-
-/// Where a record lies in the file.
-struct RecordPlace {
-  std::uint64_t data_offset = 0;
-  std::uint64_t data_size = 0;  ///< as the record says, which may be more than is left
-  std::uint64_t end() const { return data_offset + data_size; }
-};
-
-/// Reads header and length of the record at `offset`; its header's bytes stay in `buffer`.
-RecordPlace locate_record(const ContainerFile& file,
-                          std::uint64_t offset,
-                          std::vector<std::byte>& buffer,
-                          Bytes& header) {
-  ByteCursor lengths(file.read(offset, 4, buffer));
-  const std::uint64_t header_size = lengths.value<std::uint32_t>();
-  if (header_size > max_header_bytes) {
-    throw Refusal(refusal_reason::broken_content, "no record begins here");
-  }
-  ByteCursor cursor(file.read(offset + 4, header_size + 4, buffer));
-  header = cursor.take(header_size);
-  const auto data_size = cursor.value<std::uint32_t>();
-  return {offset + 8 + header_size, data_size};
-}
-
-void load_chunk(const ContainerFile& file,
-                std::uint64_t offset,
-                std::vector<std::byte>& buffer,
-                std::vector<std::byte>& out) {
-  Bytes header_bytes;
-  const RecordPlace place = locate_record(file, offset, buffer, header_bytes);
-  const RecordHeader header(header_bytes);
-  const Compression compression = compression_named(header.text("compression"));
-  const std::uint64_t size = header.number<std::uint32_t>("size");
-  const bool whole = place.end() <= file.size();
-  if (compression == Compression::none) {
-    const Bytes there = file.read(place.data_offset, place.data_size, out);
-    out.resize(there.size());
-  } else {
-    unpack(compression, file.read(place.data_offset, place.data_size, buffer), size, out);
-  }
-  if (!whole) throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
-}
 
 class Ros1ChunkReader : public ChunkReader {
  public:

@@ -29,7 +29,7 @@ struct Metadata {
 
 // Names without a folder of their own: a bag does not reach out of its folder.
 fs::path file_named(const fs::path& folder, const std::string& name) {
-  const fs::path file = folder / fs::path(name).filename();
+  fs::path file = folder / fs::path(name).filename();
   if (fs::exists(file)) return file;
   fs::path packed = file;
   packed += packed_extension;

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "formats/containers/mcap_records.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
 
@@ -18,25 +19,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view magic = "\x89MCAP0\r\n";
 constexpr std::size_t chunk_bytes = 4 << 20;
 constexpr int zstd_level = 1;
 constexpr std::uint16_t channel_id = 1;
 constexpr std::uint16_t schema_id = 1;
-
-enum Op : std::uint8_t {
-  header = 0x01,
-  footer = 0x02,
-  schema_record = 0x03,
-  channel_record = 0x04,
-  message = 0x05,
-  chunk = 0x06,
-  message_index = 0x07,
-  chunk_index = 0x08,
-  statistics_record = 0x0B,
-  summary_offset = 0x0E,
-  data_end = 0x0F
-};
 
 template <class T>
 requires std::is_integral_v<T> std::string raw(T value) {
@@ -49,7 +35,7 @@ std::string text(std::string_view value) {
   return raw(static_cast<std::uint32_t>(value.size())) + std::string(value);
 }
 
-std::string record(Op op, std::string_view content) {
+std::string record(mcap::Op op, std::string_view content) {
   return raw(static_cast<std::uint8_t>(op)) + raw(std::uint64_t{content.size()}) +
          std::string(content);
 }
@@ -72,8 +58,8 @@ std::string packed(std::string_view bytes, const std::filesystem::path& path) {
 
 McapWriter::McapWriter(const std::filesystem::path& path, McapChannel channel)
     : file_(path), channel_(std::move(channel)) {
-  put(magic);
-  put(record(header, text(channel_.profile) + text(std::string("kissmap ") + version())));
+  put(mcap::magic);
+  put(record(mcap::header, text(channel_.profile) + text(std::string("kissmap ") + version())));
 }
 
 void McapWriter::put(std::string_view bytes) {
@@ -83,10 +69,10 @@ void McapWriter::put(std::string_view bytes) {
 }
 
 std::string McapWriter::definitions() const {
-  return record(schema_record,
+  return record(mcap::schema,
                 raw(schema_id) + text(channel_.schema_name) + text(channel_.schema_encoding) +
                     text(channel_.schema)) +
-         record(channel_record,
+         record(mcap::channel,
                 raw(channel_id) + raw(schema_id) + text(channel_.topic) +
                     text(channel_.message_encoding) + raw(std::uint32_t{0}));
 }
@@ -101,8 +87,9 @@ void McapWriter::add(std::int64_t time_ns, std::string_view bytes) {
   current_.first_ns = std::min(current_.first_ns, time);
   current_.last_ns = std::max(current_.last_ns, time);
   index_ += raw(time) + raw(std::uint64_t{chunk_.size()});
-  chunk_ += raw(static_cast<std::uint8_t>(message)) + raw(std::uint64_t{bytes.size() + 22}) +
-            raw(channel_id) + raw(static_cast<std::uint32_t>(messages_++)) + raw(time) + raw(time);
+  chunk_ += raw(static_cast<std::uint8_t>(mcap::message_record)) +
+            raw(std::uint64_t{bytes.size() + 22}) + raw(channel_id) +
+            raw(static_cast<std::uint32_t>(messages_++)) + raw(time) + raw(time);
   chunk_ += bytes;
   if (chunk_.size() >= chunk_bytes) write_chunk();
 }
@@ -113,12 +100,12 @@ void McapWriter::write_chunk() {
   current_.offset = offset_;
   current_.packed_size = body.size();
   current_.unpacked_size = chunk_.size();
-  put(record(chunk,
+  put(record(mcap::chunk_record,
              raw(current_.first_ns) + raw(current_.last_ns) + raw(current_.unpacked_size) +
                  raw(checksum_of(0, chunk_)) + text("zstd") + raw(current_.packed_size) + body));
   current_.size = offset_ - current_.offset;
   current_.index_offset = offset_;
-  put(record(message_index, raw(channel_id) + text(index_)));
+  put(record(mcap::message_index, raw(channel_id) + text(index_)));
   current_.index_size = offset_ - current_.index_offset;
   chunks_.push_back(std::exchange(current_, ChunkEntry()));
   chunk_.clear();
@@ -132,7 +119,7 @@ std::string McapWriter::statistics() const {
     first = std::min(first, entry.first_ns);
     last = std::max(last, entry.last_ns);
   }
-  return record(statistics_record,
+  return record(mcap::statistics,
                 raw(messages_) + raw(std::uint16_t{1}) + raw(std::uint32_t{1}) +
                     raw(std::uint32_t{0}) + raw(std::uint32_t{0}) +
                     raw(static_cast<std::uint32_t>(chunks_.size())) + raw(first) + raw(last) +
@@ -142,38 +129,38 @@ std::string McapWriter::statistics() const {
 void McapWriter::finish() {
   write_chunk();
   const std::uint32_t data_checksum = checksum_;
-  put(record(data_end, raw(data_checksum)));
+  put(record(mcap::data_end, raw(data_checksum)));
   const std::uint64_t summary_start = offset_;
   std::string offsets;
   checksum_ = 0;  // from here on, of the summary
-  const auto put_group = [&](Op op, const std::string& records) {
+  const auto put_group = [&](mcap::Op op, const std::string& records) {
     offsets += record(
-        summary_offset,
+        mcap::summary_offset,
         raw(static_cast<std::uint8_t>(op)) + raw(offset_) + raw(std::uint64_t{records.size()}));
     put(records);
   };
   const std::string both = definitions();
   const std::size_t schema_size = 9 + 2 + 4 + channel_.schema_name.size() + 4 +
                                   channel_.schema_encoding.size() + 4 + channel_.schema.size();
-  put_group(schema_record, both.substr(0, schema_size));
-  put_group(channel_record, both.substr(schema_size));
-  put_group(statistics_record, statistics());
+  put_group(mcap::schema, both.substr(0, schema_size));
+  put_group(mcap::channel, both.substr(schema_size));
+  put_group(mcap::statistics, statistics());
   std::string indexes;
   for (const ChunkEntry& entry : chunks_) {
     indexes +=
-        record(chunk_index,
+        record(mcap::chunk_index,
                raw(entry.first_ns) + raw(entry.last_ns) + raw(entry.offset) + raw(entry.size) +
                    text(raw(channel_id) + raw(entry.index_offset)) + raw(entry.index_size) +
                    text("zstd") + raw(entry.packed_size) + raw(entry.unpacked_size));
   }
-  if (!indexes.empty()) put_group(chunk_index, indexes);
+  if (!indexes.empty()) put_group(mcap::chunk_index, indexes);
   const std::uint64_t offsets_start = offset_;
   put(offsets);
-  put(raw(static_cast<std::uint8_t>(footer)) + raw(std::uint64_t{20}) + raw(summary_start) +
+  put(raw(static_cast<std::uint8_t>(mcap::footer)) + raw(std::uint64_t{20}) + raw(summary_start) +
       raw(offsets_start));
   const std::uint32_t summary_checksum = checksum_;
-  put(raw(summary_checksum) + std::string(magic));
-  file_.publish(magic);
+  put(raw(summary_checksum) + std::string(mcap::magic));
+  file_.publish(mcap::magic);
 }
 
 }  // namespace kissmap

@@ -103,8 +103,9 @@ std::vector<float> column_times(std::size_t points,
   if (points != rings * columns) return times;
   times.reserve(points);
   for (std::size_t i = 0; i < points; ++i) {
-    const auto column = static_cast<double>(i / rings);
-    times.push_back(static_cast<float>(column / static_cast<double>(columns) * period));
+    const std::size_t column = i / rings;
+    times.push_back(
+        static_cast<float>(static_cast<double>(column) / static_cast<double>(columns) * period));
   }
   return times;
 }

@@ -62,6 +62,7 @@ std::unique_ptr<ScanLog> open_ros1_bag_log(const fs::path& path, const ReadOptio
   const auto bags = files_with(path, ".bag");
   if (bags.empty()) throw input_error(path, "has no .bag files");
   std::vector<std::unique_ptr<MessageSource>> parts;
+  parts.reserve(bags.size());
   for (const fs::path& bag : bags) parts.push_back(open_ros1_bag(bag));
   return log_of(std::make_unique<JoinedSource>(std::move(parts)), "rosbag", path, options);
 }

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "formats/containers/mcap_records.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "formats/containers/ros_type.hpp"
+#include "formats/containers/unpack.hpp"
+
+namespace kissmap::mcap {
+namespace {
+
+Bytes block64(ByteCursor& cursor) {
+  return cursor.take(cursor.value<std::uint64_t>());
+}
+
+MessageEncoding encoding_named(std::string_view name) {
+  if (name == "ros1") return MessageEncoding::ros1;
+  if (name == "cdr") return MessageEncoding::cdr;
+  if (name == "protobuf") return MessageEncoding::protobuf;
+  return MessageEncoding::other;
+}
+
+/// The records inside of a chunk record. `content` may be cut.
+void unpack_chunk(Bytes content, std::vector<std::byte>& out) {
+  ByteCursor cursor(content);
+  cursor.take(16);  // times
+  const auto size = cursor.value<std::uint64_t>();
+  const auto checksum = cursor.value<std::uint32_t>();
+  const Compression compression = compression_named(cursor.text32());
+  const auto packed_size = cursor.value<std::uint64_t>();
+  const bool cut = packed_size > cursor.left();
+  const Bytes packed = cursor.take(std::min<std::uint64_t>(packed_size, cursor.left()));
+  if (cut && compression == Compression::none) {
+    out.assign(packed.begin(), packed.end());
+  } else {
+    unpack(compression, packed, size, out);
+  }
+  if (cut) throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
+  const auto* bytes = reinterpret_cast<const Bytef*>(out.data());
+  if (checksum != 0 && crc32_z(0, bytes, out.size()) != checksum) {
+    throw Refusal(refusal_reason::broken_content, "its check sum fails");
+  }
+}
+
+}  // namespace
+
+Record read_record(ByteCursor& cursor) {
+  const auto op = cursor.value<std::uint8_t>();
+  return {op, block64(cursor)};
+}
+
+std::int64_t time_of(std::uint64_t ns) {
+  constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  return static_cast<std::int64_t>(std::min(ns, most));
+}
+
+void Channels::add_schema(Bytes content) {
+  ByteCursor cursor(content);
+  const auto id = cursor.value<std::uint16_t>();
+  schema_names_[id] = std::string(cursor.text32());
+}
+
+void Channels::add_channel(Bytes content, std::vector<Topic>& topics) {
+  ByteCursor cursor(content);
+  const auto id = cursor.value<std::uint16_t>();
+  const auto schema_id = cursor.value<std::uint16_t>();
+  Topic found{std::string(cursor.text32()),
+              ros_type_name(schema_names_[schema_id]),
+              encoding_named(cursor.text32()),
+              std::nullopt};
+  const auto same = [&](const Topic& topic) {
+    return topic.name == found.name && topic.type == found.type && topic.encoding == found.encoding;
+  };
+  auto topic = std::ranges::find_if(topics, same);
+  if (topic == topics.end()) {
+    topics.push_back(std::move(found));
+    topic = topics.end() - 1;
+  }
+  topic_of_[id] = static_cast<std::size_t>(topic - topics.begin());
+}
+
+std::optional<std::size_t> Channels::topic(std::uint16_t id) const {
+  const auto found = topic_of_.find(id);
+  return found == topic_of_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void find_messages(LoadedChunk& chunk, Channels& channels, std::vector<Topic>* topics) {
+  ByteCursor cursor(chunk.bytes);
+  while (cursor.left() > 0) {
+    const Record record = read_record(cursor);
+    if (topics != nullptr && record.op == schema) channels.add_schema(record.content);
+    if (topics != nullptr && record.op == channel) channels.add_channel(record.content, *topics);
+    if (record.op != message_record) continue;
+    ByteCursor fields(record.content);
+    const auto topic = channels.topic(fields.value<std::uint16_t>());
+    fields.value<std::uint32_t>();  // sequence
+    const std::int64_t logged_ns = time_of(fields.value<std::uint64_t>());
+    fields.value<std::uint64_t>();  // published
+    const Bytes data = fields.take(fields.left());
+    if (!topic) continue;
+    const auto offset = static_cast<std::size_t>(data.data() - chunk.bytes.data());
+    chunk.messages.push_back({*topic, logged_ns, offset, data.size()});
+  }
+}
+
+void load_chunk(const ContainerFile& file,
+                const Chunk& chunk,
+                std::vector<std::byte>& buffer,
+                std::vector<std::byte>& out) {
+  if (chunk.bare) {
+    const Bytes there = file.read(chunk.offset, chunk.size, out);
+    out.resize(there.size());
+    return;
+  }
+  const Bytes record = file.read(chunk.offset, chunk.size, buffer);
+  ByteCursor head(record);
+  if (head.value<std::uint8_t>() != chunk_record) {
+    throw Refusal(refusal_reason::broken_content, "no chunk begins here");
+  }
+  const auto size = head.value<std::uint64_t>();
+  unpack_chunk(head.take(std::min<std::uint64_t>(size, head.left())), out);
+}
+
+}  // namespace kissmap::mcap
