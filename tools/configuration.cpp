@@ -121,7 +121,8 @@ std::vector<Setting> log_settings(ReadOptions& log) {
       {"log",
        "topic",
        "",
-       "topic of a bag or MCAP file that holds the scans; empty: the only one that does",
+       "topic of a bag or MCAP file, port of a capture, scene of nuScenes; empty: the only one "
+       "there is",
        &log.topic},
   };
 }

@@ -27,7 +27,8 @@ CLI::App& declare_convert(CLI::App& app, ConvertCommand& c) {
   command
       .add_option("--topic",
                   c.options.topic,
-                  "topic of a bag or MCAP file that holds the scans (the only one that does)")
+                  "topic of a bag or MCAP file, port of a capture, scene of nuScenes (the only one "
+                  "there is)")
       ->type_name("NAME");
   declare_selection(command, c.selection);
   command.add_flag("--quiet", c.quiet, "print errors only");

@@ -74,7 +74,8 @@ void declare_others(CLI::App& app, Commands& commands) {
   about
       ->add_option("--topic",
                    commands.info.topic,
-                   "topic of a bag or MCAP file to look at (the only one that holds scans)")
+                   "topic of a bag or MCAP file, port of a capture, scene of nuScenes (the only "
+                   "one there is)")
       ->type_name("NAME");
   about->add_flag(
       "--all",

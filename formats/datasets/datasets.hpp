@@ -33,6 +33,10 @@ bool probe_paris_luco(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_paris_luco(const std::filesystem::path& path,
                                          const ReadOptions& options);
 
+bool probe_nuscenes(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_nuscenes(const std::filesystem::path& path,
+                                       const ReadOptions& options);
+
 /// True if one of the above agrees.
 bool probe_any_dataset(const std::filesystem::path& path);
 

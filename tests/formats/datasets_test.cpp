@@ -252,5 +252,62 @@ TEST(ParisLuco, FramesAreATenthOfASecondApart) {
   EXPECT_NEAR(scan_of(entries[1]).time_offsets[199], 0.0995F, 1e-6F);
 }
 
+// Two scenes; the second has a sample, a sweep and a sample, and a camera between them.
+TempDir& write_nuscenes(TempDir& dir) {
+  const std::string tables = "v1.0-mini/";
+  dir.write(tables + "scene.json",
+            R"([{"name": "scene-0061", "first_sample_token": "a"},
+                {"name": "scene-0103", "first_sample_token": "s1"}])");
+  dir.write(tables + "sample_data.json",
+            R"([{"token": "d3", "sample_token": "s2", "next": "", "is_key_frame": true,
+                 "timestamp": 1533151603647590, "filename": "samples/LIDAR_TOP/3.pcd.bin"},
+                {"token": "d1", "sample_token": "s1", "next": "d2", "is_key_frame": true,
+                 "timestamp": 1533151603547590, "filename": "samples/LIDAR_TOP/1.pcd.bin"},
+                {"token": "c1", "sample_token": "s1", "next": "", "is_key_frame": true,
+                 "timestamp": 1533151603512404, "filename": "samples/CAM_FRONT/1.jpg"},
+                {"token": "d2", "sample_token": "s2", "next": "d3", "is_key_frame": false,
+                 "timestamp": 1533151603597590, "filename": "sweeps/LIDAR_TOP/2.pcd.bin"}])");
+  int k = 0;
+  for (const char* file : {"samples/LIDAR_TOP/1", "sweeps/LIDAR_TOP/2", "samples/LIDAR_TOP/3"}) {
+    Bytes bytes;
+    bytes.add<float>(1.0F + static_cast<float>(k++))
+        .add<float>(2)
+        .add<float>(3)
+        .add<float>(4)
+        .add<float>(5);
+    dir.write(std::string(file) + ".pcd.bin", bytes.text());
+  }
+  return dir;
+}
+
+TEST(NuScenes, FollowsTheScansOfOneSceneThroughTheTables) {
+  TempDir dir;
+  ReadOptions options;
+  options.topic = "scene-0103";
+  const auto log = open_log(write_nuscenes(dir).path(), options);
+  EXPECT_EQ(log->info().format, "nuscenes");
+  const auto entries = read_all(*log);
+  ASSERT_EQ(entries.size(), 3U);
+  EXPECT_EQ(entries[1].name, "sweeps/LIDAR_TOP/2.pcd.bin");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(scan_of(entries[i]).points[0], Eigen::Vector3f(1.0F + static_cast<float>(i), 2, 3));
+    EXPECT_EQ(scan_of(entries[i]).stamp_ns,
+              1533151603547590000 + static_cast<std::int64_t>(i) * 50'000'000);
+    EXPECT_EQ(scan_of(entries[i]).stamp_instant, StampInstant::sweep_end);
+  }
+}
+
+TEST(NuScenes, AsksWhichSceneAndNamesBrokenTables) {
+  TempDir dir;
+  write_nuscenes(dir);
+  EXPECT_THAT(
+      error_of(Fault::input, [&] { open_log(dir.path()); }),
+      testing::AllOf(HasSubstr("--topic"), HasSubstr("scene-0061"), HasSubstr("scene-0103")));
+  dir.write("v1.0-mini/scene.json", "[{\"name\": 5}]");
+  EXPECT_THAT(error_of(Fault::input, [&] { open_log(dir.path()); }), HasSubstr("v1.0-mini"));
+  dir.write("v1.0-mini/scene.json", "[{\"name\": ");
+  EXPECT_THAT(error_of(Fault::input, [&] { open_log(dir.path()); }), HasSubstr("scene.json"));
+}
+
 }  // namespace
 }  // namespace kissmap
