@@ -93,6 +93,7 @@ constexpr LogFormat formats[] = {
      "a pcap or pcapng file; the metadata JSON of an Ouster sensor beside it",
      probe_capture,
      open_capture},
+    {"lvx", "Livox Viewer's LVX 1.0 and 1.1", "a .lvx file", probe_lvx, open_lvx},
     {packed_format_name,
      "scans stored by `kissmap run --pack` or `kissmap pack`",
      "a session folder with packed_log.kmpack, or that file",

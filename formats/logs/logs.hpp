@@ -33,6 +33,9 @@ bool probe_capture(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_capture(const std::filesystem::path& path,
                                       const ReadOptions& options);
 
+bool probe_lvx(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_lvx(const std::filesystem::path& path, const ReadOptions& options);
+
 bool probe_mcap(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_mcap_log(const std::filesystem::path& path,
                                        const ReadOptions& options);

@@ -83,7 +83,7 @@ void require_data(const Rows& rows, std::size_t there) {
 
 // Rows with padding behind them are put together: a column has one stride.
 void place_rows(const Rows& rows, std::span<const std::byte> data, PointRecords& records) {
-  if (rows.stride() == rows.row_bytes()) {
+  if (rows.count() == 0 || rows.stride() == rows.row_bytes()) {
     records.bytes = data;
     return;
   }

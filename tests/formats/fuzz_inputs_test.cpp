@@ -15,7 +15,9 @@ void fuzz_capture(std::span<const std::byte> input);
 void fuzz_cloud_message(std::span<const std::byte> input);
 void fuzz_edits(std::span<const std::byte> input);
 void fuzz_g2o(std::span<const std::byte> input);
+void fuzz_lvx(std::span<const std::byte> input);
 void fuzz_mcap(std::span<const std::byte> input);
+void fuzz_other_clouds(std::span<const std::byte> input);
 void fuzz_pcd(std::span<const std::byte> input);
 void fuzz_ply(std::span<const std::byte> input);
 void fuzz_rosbag(std::span<const std::byte> input);
@@ -32,7 +34,9 @@ TEST(FuzzInputs, AreReadOrRefused) {
       {"cloud_message", fuzz_cloud_message},
       {"edits", fuzz_edits},
       {"g2o", fuzz_g2o},
+      {"lvx", fuzz_lvx},
       {"mcap", fuzz_mcap},
+      {"other_clouds", fuzz_other_clouds},
       {"pcd", fuzz_pcd},
       {"ply", fuzz_ply},
       {"rosbag", fuzz_rosbag},
