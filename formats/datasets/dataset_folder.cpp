@@ -123,7 +123,7 @@ bool has_stamped_files(const fs::path& folder, const char* extension) {
 bool probe_any_dataset(const fs::path& path) {
   return probe_mulran(path) || probe_helipr(path) || probe_apollo(path) || probe_nclt(path) ||
          probe_newer_college(path) || probe_boreas(path) || probe_paris_luco(path) ||
-         probe_nuscenes(path);
+         probe_nuscenes(path) || probe_nclt_hits(path);
 }
 
 }  // namespace kissmap

@@ -22,6 +22,10 @@ std::unique_ptr<ScanLog> open_apollo(const std::filesystem::path& path, const Re
 bool probe_nclt(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_nclt(const std::filesystem::path& path, const ReadOptions& options);
 
+bool probe_nclt_hits(const std::filesystem::path& path);
+std::unique_ptr<ScanLog> open_nclt_hits(const std::filesystem::path& path,
+                                        const ReadOptions& options);
+
 bool probe_newer_college(const std::filesystem::path& path);
 std::unique_ptr<ScanLog> open_newer_college(const std::filesystem::path& path,
                                             const ReadOptions& options);

@@ -88,7 +88,9 @@ bool first_cloud_is_foreign(const CloudFolder& folder) {
 
 bool probe_point_folder(const fs::path& path) {
   try {
-    if (fs::is_regular_file(path)) return kind_of_file(path).has_value();
+    if (fs::is_regular_file(path)) {
+      return kind_of_file(path).has_value() && !probe_any_dataset(path);
+    }
     if (!fs::is_directory(path) || fs::exists(path / "session.json")) return false;
     if (probe_kitti_odometry(path) || probe_kitti_raw(path) || probe_any_dataset(path)) {
       return false;

@@ -309,5 +309,54 @@ TEST(NuScenes, AsksWhichSceneAndNamesBrokenTables) {
   EXPECT_THAT(error_of(Fault::input, [&] { open_log(dir.path()); }), HasSubstr("scene.json"));
 }
 
+// Packets of 12 directions clockwise, 2 degrees each, on a circle of 10 m.
+std::string hits_packet(int number) {
+  Bytes bytes;
+  for (int i = 0; i < 4; ++i) bytes.add<std::uint16_t>(44444);
+  bytes.add<std::uint32_t>(12);
+  bytes.add<std::uint64_t>(1'357'847'239'000'000ULL + static_cast<std::uint64_t>(number) * 555);
+  bytes.add<std::uint32_t>(0);
+  for (int i = 0; i < 12; ++i) {
+    const double angle = (number * 2.0 + i * 2.0 / 12) * M_PI / 180.0;
+    const auto raw = [](double metres) {
+      return static_cast<std::uint16_t>((metres + 100.0) / 0.005);
+    };
+    // With z down, clockwise from above is from x to y.
+    bytes.add<std::uint16_t>(raw(10 * std::cos(angle)))
+        .add<std::uint16_t>(raw(10 * std::sin(angle)));
+    bytes.add<std::uint16_t>(raw(1.0)).add<std::uint8_t>(50).add<std::uint8_t>(0);
+  }
+  return bytes.text();
+}
+
+TEST(Nclt, HitsAreCutIntoTurns) {
+  const TempDir dir;
+  std::string stream;
+  for (int i = 0; i < 450; ++i) stream += hits_packet(i);
+  const auto entries = entries_of(dir.write("velodyne_hits.bin", stream), "nclt-hits");
+  ASSERT_GE(entries.size(), 2U);
+  std::size_t points = 0;
+  for (const LogEntry& entry : entries) points += scan_of(entry).points.size();
+  EXPECT_EQ(points, 450U * 12);
+  const Scan& first = scan_of(entries[0]);
+  EXPECT_NEAR(static_cast<double>(first.points.size()), 180 * 12, 24);
+  EXPECT_EQ(first.stamp_ns, 1357847239000000000);
+  EXPECT_NEAR(first.points[0].x(), 10.0F, 0.01F);
+  EXPECT_NEAR(first.points[0].z(), -1.0F, 0.01F);
+  EXPECT_NEAR(first.time_offsets[12], 555e-6, 1e-9);
+}
+
+TEST(Nclt, HitsGoOnBehindDamage) {
+  const TempDir dir;
+  std::string stream;
+  for (int i = 0; i < 400; ++i) stream += hits_packet(i) + (i == 100 ? "damaged" : "");
+  const auto entries =
+      entries_of(dir.write("velodyne_hits.bin", stream.substr(0, stream.size() - 5)), "nclt-hits");
+  std::size_t points = 0;
+  for (std::size_t i = 0; i + 1 < entries.size(); ++i) points += scan_of(entries[i]).points.size();
+  EXPECT_EQ(points, 399U * 12);
+  EXPECT_THAT(test::refusal_of(entries.back()).detail, HasSubstr("122 bytes"));
+}
+
 }  // namespace
 }  // namespace kissmap
