@@ -98,7 +98,7 @@ void print_whole(ScanLog& log, LogEntry entry) {
 void print_duration(const LogInfo& about) {
   if (!about.time_range) return;
   const auto [first, last] = *about.time_range;
-  const double seconds = 1e-9 * static_cast<double>(last - first);
+  const double seconds = 1e-9 * (static_cast<double>(last) - static_cast<double>(first));
   std::printf("  duration    %.3f s", seconds);
   if (about.scan_count && *about.scan_count > 1 && seconds > 0.0) {
     std::printf(", %.2f scans a second", static_cast<double>(*about.scan_count - 1) / seconds);

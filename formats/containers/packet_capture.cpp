@@ -19,6 +19,9 @@ constexpr std::uint32_t most_block_bytes = 1 << 22;  // no frame and no block is
 constexpr std::uint32_t section_block = 0x0A0D0D0A;
 constexpr std::uint32_t byte_order_magic = 0x1A2B3C4D;
 constexpr std::int64_t ns_per_s = 1'000'000'000;
+// Nothing is recorded later, and no clock is set farther off: so sums fit into 64 bits.
+constexpr std::uint64_t latest_s = 4'000'000'000;
+constexpr std::int64_t farthest_offset_s = 1'000'000'000;
 
 enum Block : std::uint32_t {
   interface_block = 1,
@@ -37,8 +40,7 @@ std::int64_t to_ns(std::uint64_t ticks, std::uint64_t ticks_per_s) {
   const auto fraction = static_cast<std::uint64_t>(static_cast<long double>(rest) *
                                                    static_cast<long double>(ns_per_s) /
                                                    static_cast<long double>(ticks_per_s));
-  // Beyond the year 2262 there is no such stamp.
-  return static_cast<std::int64_t>(std::min<std::uint64_t>(seconds, 9'000'000'000)) * ns_per_s +
+  return static_cast<std::int64_t>(std::min(seconds, latest_s)) * ns_per_s +
          static_cast<std::int64_t>(fraction);
 }
 
@@ -140,7 +142,8 @@ void PacketCapture::add_interface(Bytes body) {
     }
     if (code == 14 && size >= 8) {  // seconds to add to times
       added.offset_s = gather_detail::load<std::int64_t>(value.data(), swap_);
-      if (std::abs(added.offset_s) > 9'000'000'000) added.offset_s = 0;
+      if (added.offset_s < -farthest_offset_s || added.offset_s > farthest_offset_s)
+        added.offset_s = 0;
     }
     options = options.subspan(std::min(options.size(), 4 + (size + 3) / 4 * 4));
   }

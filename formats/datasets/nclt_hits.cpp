@@ -23,8 +23,9 @@ constexpr std::size_t head_bytes = 24;
 constexpr std::size_t hit_bytes = 8;
 constexpr std::uint32_t most_hits = 20'000;  // a packet of the sensor has 384
 constexpr std::uint64_t window_bytes = 1 << 20;
-constexpr float step = 0.005F;    // m
-constexpr float lowest = 100.0F;  // m below zero
+constexpr std::uint64_t latest_us = 4'000'000'000'000'000;  // later is damage
+constexpr float step = 0.005F;                              // m
+constexpr float lowest = 100.0F;                            // m below zero
 
 bool is_mark(std::span<const std::byte> bytes) {
   std::uint16_t marks[4];
@@ -81,8 +82,9 @@ class HitsLog : public ScanLog {
     const auto head = file_.read(offset_, head_bytes, buffer_);
     if (head.size() < head_bytes) return finish();
     const auto hits = at<std::uint32_t>(head, 8);
-    const auto time_ns = static_cast<std::int64_t>(at<std::uint64_t>(head, 12)) * 1000;
-    if (!is_mark(head) || hits > most_hits || time_ns < 0) return find_mark();
+    const auto time_us = at<std::uint64_t>(head, 12);
+    if (!is_mark(head) || hits > most_hits || time_us > latest_us) return find_mark();
+    const auto time_ns = static_cast<std::int64_t>(time_us) * 1000;
     const std::uint64_t size = std::uint64_t{hits} * hit_bytes;
     const auto body = file_.read(offset_ + head_bytes, size, buffer_);
     if (body.size() < size) return finish();

@@ -25,9 +25,10 @@ using Bytes = std::span<const std::byte>;
 
 constexpr std::string_view signature = "livox_tech";
 constexpr std::uint32_t header_magic = 0xAC0EA767;
-constexpr std::size_t public_header = 24;             // bytes
-constexpr std::uint64_t most_frame_bytes = 64 << 20;  // no frame is larger
-constexpr std::int64_t scan_ns = 100'000'000;         // frames are joined to scans of this length
+constexpr std::size_t public_header = 24;                       // bytes
+constexpr std::uint64_t most_frame_bytes = 64 << 20;            // no frame is larger
+constexpr std::uint64_t latest_ns = 4'000'000'000'000'000'000;  // later is damage
+constexpr std::int64_t scan_ns = 100'000'000;  // frames are joined to scans of this length
 
 /// How packets of one data type hold their points.
 struct PacketType {
@@ -176,7 +177,8 @@ class LvxLog : public ScanLog {
       const auto device = cursor.value<std::uint8_t>();
       cursor.take(4 + 4 + 1);  // version, port, number, reserved, errors, kind of time
       const auto number = cursor.value<std::uint8_t>();
-      const auto time_ns = static_cast<std::int64_t>(cursor.value<std::uint64_t>());
+      const auto time_ns =
+          static_cast<std::int64_t>(std::min(cursor.value<std::uint64_t>(), latest_ns));
       if (number == inertial_type) {
         cursor.take(inertial_bytes);
         continue;

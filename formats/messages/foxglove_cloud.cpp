@@ -57,12 +57,12 @@ void for_each_field(Bytes message, Take take) {
 }
 
 std::int64_t read_timestamp(Bytes message) {
-  std::int64_t ns = 0;
+  std::uint64_t ns = 0;  // what does not fit wraps around
   for_each_field(message, [&](const WireField& field) {
-    if (field.number == 1) ns += static_cast<std::int64_t>(field.value * 1'000'000'000U);
-    if (field.number == 2) ns += static_cast<std::int64_t>(field.value);
+    if (field.number == 1) ns += field.value * 1'000'000'000U;
+    if (field.number == 2) ns += field.value;
   });
-  return ns;
+  return static_cast<std::int64_t>(ns);
 }
 
 /// Numbered otherwise than in sensor_msgs/PointField.

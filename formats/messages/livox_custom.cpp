@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <cstdlib>
+#include <cmath>
 
 #include "formats/messages/cloud_message.hpp"
 #include "formats/messages/message_reader.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t point_size = 19;          // bytes
 constexpr std::size_t aligned_point_size = 20;  // in CDR each begins with a 32-bit number
-constexpr std::int64_t same_clock_ns = 1'000'000'000;
+constexpr double same_clock_ns = 1e9;
 
 }  // namespace
 
@@ -26,7 +26,8 @@ CloudMessage read_livox_custom(std::span<const std::byte> message, MessageEncodi
   cloud.frame = std::move(header.frame);
   // Times count from the time base, which is the header's stamp unless the sensor's clock is
   // another than the computer's.
-  const bool one_clock = std::abs(timebase_ns - header.stamp_ns) < same_clock_ns;
+  const double apart_ns = static_cast<double>(timebase_ns) - static_cast<double>(header.stamp_ns);
+  const bool one_clock = std::abs(apart_ns) < same_clock_ns;
   cloud.stamp_ns = one_clock ? timebase_ns : header.stamp_ns;
   if (count > 0) reader.align(4);
   const std::uint64_t size = count == 0 ? 0 : std::uint64_t{count - 1} * stride + point_size;

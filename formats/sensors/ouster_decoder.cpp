@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -15,7 +14,7 @@ namespace kissmap {
 namespace {
 
 constexpr double radian = std::numbers::pi / 180.0;
-constexpr std::int64_t day_ns = 86'400'000'000'000;
+constexpr double day_ns = 86'400e9;
 constexpr std::int64_t longest_frame_ns = 2'000'000'000;
 
 /// From range and column to a point: Ouster's user manual, "Lidar Range to XYZ".
@@ -148,7 +147,8 @@ class OusterDecoder : public PacketDecoder {
     if (!first) return;
     Scan scan;
     const auto sensor_ns = static_cast<std::int64_t>(*first);
-    const bool one_clock = sensor_ns >= 0 && std::abs(sensor_ns - frame.host_ns) < day_ns;
+    const double apart_ns = static_cast<double>(sensor_ns) - static_cast<double>(frame.host_ns);
+    const bool one_clock = std::abs(apart_ns) < day_ns;
     scan.stamp_ns = one_clock ? sensor_ns : frame.host_ns;
     scan.stamp_instant = StampInstant::sweep_start;
     scan.compensation = Compensation::no;
