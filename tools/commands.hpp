@@ -31,7 +31,7 @@ void run(const RunCommand& command);
 struct InfoCommand {
   std::filesystem::path path;
   std::string format;
-  std::string topic;
+  ReadOptions options;
   bool all = false;
 };
 void info(const InfoCommand& command);

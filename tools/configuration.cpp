@@ -124,6 +124,13 @@ std::vector<Setting> log_settings(ReadOptions& log) {
        "topic of a bag or MCAP file, port of a capture, scene of nuScenes; empty: the only one "
        "there is",
        &log.topic},
+      {"log",
+       "calibration",
+       "",
+       "file that came with the sensor whose packets are recorded: a Hesai's angles (.csv), the "
+       "ROS driver's file of an HDL-64E (.yaml), an Ouster's metadata (.json); empty: none, or "
+       "found beside the capture",
+       &log.calibration},
   };
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "declare_convert.hpp"
 
-#include "declare_selection.hpp"
+#include "declare_log.hpp"
 
 namespace kissmap {
 
@@ -22,14 +22,7 @@ CLI::App& declare_convert(CLI::App& app, ConvertCommand& c) {
       ->required()
       ->type_name("pcd|kitti|mcap")
       ->check(CLI::IsMember({"pcd", "kitti", "mcap"}));
-  command.add_option("--format", c.format, "format of the log (default: found by looking at it)")
-      ->type_name("NAME");
-  command
-      .add_option("--topic",
-                  c.options.topic,
-                  "topic of a bag or MCAP file, port of a capture, scene of nuScenes (the only one "
-                  "there is)")
-      ->type_name("NAME");
+  declare_log(command, c.format, c.options);
   declare_selection(command, c.selection);
   command.add_flag("--quiet", c.quiet, "print errors only");
   return command;

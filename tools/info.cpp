@@ -106,6 +106,20 @@ void print_duration(const LogInfo& about) {
   std::printf("\n");
 }
 
+void print_gaps(const std::vector<std::int64_t>& times_ns) {
+  StampGaps gaps;
+  std::optional<std::int64_t> last;
+  for (std::size_t i = 0; i < times_ns.size(); ++i) {
+    if (last && times_ns[i] <= *last) continue;
+    gaps.observe(i, times_ns[i]);
+    last = times_ns[i];
+  }
+  SessionCounts counts;
+  counts.gaps = gaps.gaps();
+  if (counts.gaps.empty()) std::printf("  gaps        none\n");
+  std::fputs(describe_refusals(counts).c_str(), stdout);
+}
+
 void print_topics(const LogInfo& about) {
   for (const LogTopic& topic : about.topics) {
     std::printf(
@@ -121,15 +135,16 @@ void print_topics(const LogInfo& about) {
 }
 
 void print_log(const InfoCommand& command) {
-  ReadOptions options;
-  options.topic = command.topic;
-  const auto log = read_ahead(open_log(command.path, options, command.format));
+  const auto log = read_ahead(open_log(command.path, command.options, command.format));
   const LogInfo& about = log->info();
   std::printf("%s\n  format      %s\n", about.path.c_str(), about.format.c_str());
   if (!about.sensor.empty()) std::printf("  sensor      %s\n", printable(about.sensor).c_str());
   if (about.scan_count) std::printf("  scans       %s\n", with_commas(*about.scan_count).c_str());
   print_duration(about);
   std::printf("  stamps      from %s\n", about.stamp_source.c_str());
+  const auto times = command.all ? std::nullopt : log->known_times();
+  if (times) print_gaps(*times);
+  if (!times && !command.all) std::printf("  gaps        not known before it is read (--all)\n");
   std::optional<LogEntry> entry = log->next();
   if (!entry) throw input_error(about.path, "holds no scan");
   print_scan(*entry);

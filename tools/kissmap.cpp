@@ -13,8 +13,8 @@
 #include "declare_export_grid.hpp"
 #include "declare_export_voxels.hpp"
 #include "declare_how.hpp"
+#include "declare_log.hpp"
 #include "declare_optimize.hpp"
-#include "declare_selection.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/version.hpp"
 #include "report.hpp"
@@ -70,13 +70,7 @@ void declare_run(CLI::App& app, Commands& commands) {
 void declare_others(CLI::App& app, Commands& commands) {
   CLI::App* about = app.add_subcommand("info", "Tell what is in a log or a session");
   about->add_option("PATH", commands.info.path, "log or session")->required();
-  about->add_option("--format", commands.info.format, "format of the log")->type_name("NAME");
-  about
-      ->add_option("--topic",
-                   commands.info.topic,
-                   "topic of a bag or MCAP file, port of a capture, scene of nuScenes (the only "
-                   "one there is)")
-      ->type_name("NAME");
+  declare_log(*about, commands.info.format, commands.info.options);
   about->add_flag(
       "--all",
       commands.info.all,

@@ -25,6 +25,10 @@ SessionManifest manifest_of(const RunCommand& command,
   manifest.log.format = log.format;
   manifest.log.stamp_source = log.stamp_source;
   manifest.log.read_options = configuration.log;
+  if (!configuration.log.calibration.empty()) {
+    manifest.log.read_options.calibration =
+        std::filesystem::absolute(configuration.log.calibration).lexically_normal();
+  }
   manifest.log.selection = command.selection;
   manifest.configuration = to_toml(configuration);
   return manifest;

@@ -14,6 +14,9 @@ namespace {
 /// the same time would otherwise be read into memory as a whole.
 constexpr std::size_t most_open_chunks = 8;
 
+/// Whatever is read of a chunk's index costs the pages it lies in.
+constexpr std::uint64_t index_pages_bytes = 2 * 4096;
+
 }  // namespace
 
 void sum_counts(ContainerIndex& index) {
@@ -32,6 +35,19 @@ ChunkedSource::ChunkedSource(std::shared_ptr<const ContainerFile> file,
                              std::unique_ptr<ChunkReader> reader)
     : file_(std::move(file)), index_(std::move(index)), reader_(std::move(reader)) {
   std::ranges::stable_sort(index_.chunks, {}, &Chunk::first_ns);
+}
+
+std::optional<std::vector<std::int64_t>> ChunkedSource::times(std::size_t topic,
+                                                              std::uint64_t most_bytes) {
+  std::vector<std::int64_t> times;
+  for (const Chunk& chunk : index_.chunks) {
+    if (chunk.counts && !chunk.counts->contains(topic)) continue;
+    if (most_bytes < index_pages_bytes) return std::nullopt;
+    most_bytes -= index_pages_bytes;
+    if (!reader_->append_times(chunk, topic, times, most_bytes)) return std::nullopt;
+  }
+  std::ranges::stable_sort(times);
+  return times;
 }
 
 std::optional<std::uint64_t> ChunkedSource::selected_in(Chunk& chunk) {

@@ -54,6 +54,13 @@ class ChunkReader {
   /// Reads a chunk. `to` holds all of it, or after a Refusal the messages before the damage.
   virtual void load(const Chunk& chunk, LoadedChunk& to) = 0;
 
+  /// Appends the times of a topic's messages and takes the size of the index read off `most_bytes`;
+  /// false where no index tells, or where it is larger. Never throws for damage.
+  virtual bool append_times(const Chunk& chunk,
+                            std::size_t topic,
+                            std::vector<std::int64_t>& to,
+                            std::uint64_t& most_bytes) = 0;
+
   /// Fills in chunk.counts if that is possible without unpacking. Never throws for damage.
   virtual void count(Chunk& chunk) = 0;
 };
@@ -69,6 +76,8 @@ class ChunkedSource : public MessageSource {
   std::optional<std::pair<std::int64_t, std::int64_t>> time_range() const override {
     return index_.time_range;
   }
+  std::optional<std::vector<std::int64_t>> times(std::size_t topic,
+                                                 std::uint64_t most_bytes) override;
   void select(const std::set<std::size_t>& topics) override { selected_ = topics; }
   bool next(Message& message) override;
   std::uint64_t skip(std::uint64_t count) override;

@@ -54,6 +54,21 @@ std::optional<std::pair<std::int64_t, std::int64_t>> JoinedSource::time_range() 
   return range;
 }
 
+std::optional<std::vector<std::int64_t>> JoinedSource::times(std::size_t topic,
+                                                             std::uint64_t most_bytes) {
+  std::vector<std::int64_t> times;
+  for (Part& part : parts_) {
+    const auto own = std::ranges::find(part.topic_of, topic);
+    if (own == part.topic_of.end()) continue;
+    const auto more = part.source->times(static_cast<std::size_t>(own - part.topic_of.begin()),
+                                         most_bytes / parts_.size());
+    if (!more) return std::nullopt;
+    times.insert(times.end(), more->begin(), more->end());
+  }
+  std::ranges::stable_sort(times);
+  return times;
+}
+
 void JoinedSource::select(const std::set<std::size_t>& topics) {
   for (Part& part : parts_) {
     std::set<std::size_t> own;

@@ -17,6 +17,8 @@ class JoinedSource : public MessageSource {
 
   const std::vector<Topic>& topics() const override { return topics_; }
   std::optional<std::pair<std::int64_t, std::int64_t>> time_range() const override;
+  std::optional<std::vector<std::int64_t>> times(std::size_t topic,
+                                                 std::uint64_t most_bytes) override;
   void select(const std::set<std::size_t>& topics) override;
   bool next(Message& message) override;
   std::uint64_t skip(std::uint64_t count) override;

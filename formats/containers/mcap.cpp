@@ -46,7 +46,44 @@ class McapChunkReader : public ChunkReader {
     chunk.counts = std::move(counts);
   }
 
+  bool append_times(const Chunk& chunk,
+                    std::size_t topic,
+                    std::vector<std::int64_t>& to,
+                    std::uint64_t& most_bytes) override {
+    const auto places = indexes_.find(chunk.offset);
+    if (chunk.bare || places == indexes_.end()) return false;
+    try {
+      for (const std::uint64_t place : places->second) {
+        if (!append_times(place, topic, to, most_bytes)) return false;
+      }
+    } catch (const Refusal&) {
+      return false;
+    }
+    return true;
+  }
+
  private:
+  // Of one message index: channel, then time and offset of each message.
+  bool append_times(std::uint64_t place,
+                    std::size_t topic,
+                    std::vector<std::int64_t>& to,
+                    std::uint64_t& most_bytes) {
+    constexpr std::size_t head_bytes = record_head + 6;
+    ByteCursor head(file_->read(place, head_bytes, buffer_));
+    if (head.value<std::uint8_t>() != message_index) return false;
+    head.value<std::uint64_t>();
+    const bool wanted = channels_.topic(head.value<std::uint16_t>()) == topic;
+    const std::uint64_t size = wanted ? head.value<std::uint32_t>() : 0;
+    if (head_bytes + size > most_bytes) return false;
+    most_bytes -= head_bytes + size;
+    ByteCursor entries(file_->read(place + head_bytes, size, buffer_));
+    for (std::uint64_t left = size / 16; left > 0; --left) {
+      to.push_back(time_of(entries.value<std::uint64_t>()));
+      entries.value<std::uint64_t>();
+    }
+    return true;
+  }
+
   void salvage(LoadedChunk& to) {
     try {
       find_messages(to, channels_, nullptr);

@@ -50,6 +50,11 @@ class MessageSource {
   /// First and last receive time [ns since 1970], where the container tells without being read.
   virtual std::optional<std::pair<std::int64_t, std::int64_t>> time_range() const = 0;
 
+  /// Times of receiving of a topic's messages in order, where an index tells them by reading no
+  /// more than `most_bytes`. Before the first next().
+  virtual std::optional<std::vector<std::int64_t>> times(std::size_t topic,
+                                                         std::uint64_t most_bytes) = 0;
+
   /// Only messages of these topics come from next(). To be called before it.
   virtual void select(const std::set<std::size_t>& topics) = 0;
 

@@ -32,7 +32,40 @@ class Ros1ChunkReader : public ChunkReader {
   }
   void count(Chunk&) override {}
 
+  // By the index records that follow the chunk, one for each of its connections.
+  bool append_times(const Chunk& chunk,
+                    std::size_t topic,
+                    std::vector<std::int64_t>& to,
+                    std::uint64_t& most_bytes) override {
+    try {
+      Bytes header;
+      std::uint64_t place = locate_record(*file_, chunk.offset, buffer_, header).end();
+      while (place < file_->size()) {
+        const RecordPlace record = locate_record(*file_, place, buffer_, header);
+        const RecordHeader fields(header);
+        if (fields.number<std::uint8_t>("op") != index_data) return true;
+        if (record.end() - place > most_bytes) return false;
+        most_bytes -= record.end() - place;
+        if (connections_.topic(fields.number<std::uint32_t>("conn")) == topic) {
+          append_entries(record, to);
+        }
+        place = record.end();
+      }
+    } catch (const Refusal&) {
+      return false;
+    }
+    return true;
+  }
+
  private:
+  void append_entries(const RecordPlace& record, std::vector<std::int64_t>& to) {
+    ByteCursor entries(file_->read(record.data_offset, record.data_size, buffer_));
+    while (entries.left() > 0) {
+      to.push_back(time_of(entries.value<std::uint64_t>()));
+      entries.value<std::uint32_t>();
+    }
+  }
+
   void salvage(LoadedChunk& to) {
     try {
       find_messages(to, connections_, nullptr);

@@ -20,6 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The topic of a message stands in its row, and a row of any size has a page of its own.
+constexpr std::uint64_t page_bytes = 4096;
+constexpr std::uint64_t most_bytes_to_count = 32 << 20;
 constexpr std::uint32_t zstd_magic = 0xFD2FB528;
 
 // A path within a URI: what has a meaning there is written as %XX.
@@ -89,7 +92,7 @@ class SqliteSource : public MessageSource {
       cut_ = is_cut(file_);
       if (cut_) accept_missing_pages();
       read_topics();
-      if (count) count_messages();
+      if (count && rows_to_look_at() * page_bytes <= most_bytes_to_count) count_messages();
       read_time_range();
     } catch (const Refusal& refusal) {
       if (topic_of_.empty()) {
@@ -102,6 +105,22 @@ class SqliteSource : public MessageSource {
   const std::vector<Topic>& topics() const override { return topics_; }
   std::optional<std::pair<std::int64_t, std::int64_t>> time_range() const override {
     return time_range_;
+  }
+  std::optional<std::vector<std::int64_t>> times(std::size_t topic,
+                                                 std::uint64_t most_bytes) override {
+    if (cut_ || rows_to_look_at() * page_bytes > most_bytes) return std::nullopt;
+    std::vector<std::int64_t> times;
+    try {
+      Statement rows(database_.get(),
+                     "SELECT topic_id, timestamp FROM messages ORDER BY timestamp");
+      while (rows.step()) {
+        const auto of = topic_of_.find(rows.integer(0));
+        if (of != topic_of_.end() && of->second == topic) times.push_back(rows.integer(1));
+      }
+    } catch (const Refusal&) {
+      return std::nullopt;
+    }
+    return times;
   }
   void select(const std::set<std::size_t>& topics) override { selected_ = topics; }
 
@@ -164,6 +183,14 @@ class SqliteSource : public MessageSource {
       topic_of_[rows.integer(0)] = topics_.size();
       topics_.push_back({rows.text(1), ros_type_name(rows.text(2)), encoding, std::nullopt});
     }
+  }
+
+  std::uint64_t rows_to_look_at() {
+    Statement first(database_.get(), "SELECT MIN(id) FROM messages");
+    Statement last(database_.get(), "SELECT MAX(id) FROM messages");
+    if (!first.step() || !last.step() || first.is_null(0)) return 0;
+    const double rows = static_cast<double>(last.integer(0)) - static_cast<double>(first.integer(0));
+    return static_cast<std::uint64_t>(std::clamp(rows + 1.0, 0.0, 1e12));
   }
 
   void count_messages() {

@@ -110,6 +110,10 @@ class UnpackedSource : public MessageSource {
   std::optional<std::pair<std::int64_t, std::int64_t>> time_range() const override {
     return source_->time_range();
   }
+  std::optional<std::vector<std::int64_t>> times(std::size_t topic,
+                                                 std::uint64_t most_bytes) override {
+    return source_->times(topic, most_bytes);
+  }
   void select(const std::set<std::size_t>& topics) override { source_->select(topics); }
   bool next(Message& message) override { return source_->next(message); }
   std::uint64_t skip(std::uint64_t count) override { return source_->skip(count); }

@@ -9,19 +9,14 @@
 #include "formats/containers/packet_capture.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/logs/logs.hpp"
-#include "formats/sensors/hesai_decoder.hpp"
-#include "formats/sensors/ouster_decoder.hpp"
 #include "formats/sensors/ouster_packet.hpp"
-#include "formats/sensors/velodyne_decoder.hpp"
-#include "formats/text/lines.hpp"
+#include "formats/sensors/sensor_calibration.hpp"
 #include "kissmap/error.hpp"
 
 namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-enum class Family : std::uint8_t { velodyne, hesai, ouster };
 
 /// A stream of datagrams: where they go, and how long they are.
 struct Stream {
@@ -39,9 +34,11 @@ bool begins_with(std::span<const std::byte> payload, int first, int second) {
 }
 
 /// By the marks packets begin with; Ouster's have none.
-std::optional<Family> family_by_mark(std::span<const std::byte> payload) {
-  if (payload.size() == velodyne_size && begins_with(payload, 0xFF, 0xEE)) return Family::velodyne;
-  if (payload.size() >= least_hesai_size && begins_with(payload, 0xEE, 0xFF)) return Family::hesai;
+std::optional<SensorFamily> family_by_mark(std::span<const std::byte> payload) {
+  if (payload.size() == velodyne_size && begins_with(payload, 0xFF, 0xEE))
+    return SensorFamily::velodyne;
+  if (payload.size() >= least_hesai_size && begins_with(payload, 0xEE, 0xFF))
+    return SensorFamily::hesai;
   return std::nullopt;
 }
 
@@ -57,7 +54,7 @@ std::string listed(const std::map<Stream, std::uint64_t>& streams) {
 /// What the first part of a capture holds.
 struct Survey {
   std::map<Stream, std::uint64_t> streams;
-  std::map<std::uint16_t, Family> marked;  ///< by port
+  std::map<std::uint16_t, SensorFamily> marked;  ///< by port
 };
 
 Survey look_at(const fs::path& path) {
@@ -105,43 +102,51 @@ std::vector<std::uint16_t> ports_with(const Survey& survey, std::size_t size) {
   return ports;
 }
 
-Choice choose_ouster(const fs::path& path, const Survey& survey, const std::string& wanted) {
-  const fs::path json = find_ouster_metadata(path);
-  const std::vector<std::byte> bytes = read_side_file(json);
-  const OusterMetadata about = read_ouster_metadata(text_of(bytes), json);
-  const std::size_t size = OusterPackets(about).packet_bytes();
+std::uint16_t ouster_port(const fs::path& path,
+                          const Survey& survey,
+                          const SensorCalibration& metadata,
+                          const std::string& wanted) {
+  const auto* about = std::get_if<OusterMetadata>(&metadata.content);
+  if (about == nullptr) throw input_error(path, "the calibration is not an Ouster's metadata");
+  const std::size_t size = OusterPackets(*about).packet_bytes();
   const auto ports = ports_with(survey, size);
-  if (ports.empty()) {
-    throw input_error(path,
-                      "holds no packets of " + std::to_string(size) + " bytes, as " +
-                          json.filename().string() +
-                          " describes them; datagrams:" + listed(survey.streams));
-  }
-  return {chosen_port(ports, wanted, path),
-          make_ouster_decoder(about),
-          {{json.filename().string(), bytes.size(), ""}}};
+  if (!ports.empty()) return chosen_port(ports, wanted, path);
+  throw input_error(path,
+                    "holds no packets of " + std::to_string(size) + " bytes, as " +
+                        metadata.file.name + " describes them");
 }
 
-Choice choose(const fs::path& path, const std::string& wanted) {
-  const Survey survey = look_at(path);
-  if (survey.streams.empty()) throw input_error(path, "holds no UDP datagrams");
-  if (survey.marked.empty()) {
-    try {
-      return choose_ouster(path, survey, wanted);
-    } catch (const Error& error) {
-      throw Error(error.fault(),
-                  std::string(error.what()) +
-                      "\nNo packets of Velodyne or Hesai in it either; datagrams:" +
-                      listed(survey.streams));
-    }
-  }
+// Packets of an Ouster look like nothing else: what is not of another sensor is tried.
+Choice choose_ouster(const fs::path& path, const Survey& survey, const ReadOptions& options) {
+  const fs::path file =
+      options.calibration.empty() ? find_ouster_metadata(path) : fs::path(options.calibration);
+  const SensorCalibration metadata = read_sensor_calibration(file);
+  const std::uint16_t port = ouster_port(path, survey, metadata, options.topic);
+  return {port, make_packet_decoder(SensorFamily::ouster, metadata), {metadata.file}};
+}
+
+Choice choose_marked(const fs::path& path, const Survey& survey, const ReadOptions& options) {
   std::vector<std::uint16_t> ports;
   for (const auto& [port, family] : survey.marked) ports.push_back(port);
-  const std::uint16_t port = chosen_port(ports, wanted, path);
-  return {
-      port,
-      survey.marked.at(port) == Family::velodyne ? make_velodyne_decoder() : make_hesai_decoder(),
-      {}};
+  const std::uint16_t port = chosen_port(ports, options.topic, path);
+  const SensorCalibration calibration = read_sensor_calibration(options.calibration);
+  Choice choice{port, make_packet_decoder(survey.marked.at(port), calibration), {}};
+  if (!options.calibration.empty()) choice.side_files.push_back(calibration.file);
+  return choice;
+}
+
+Choice choose(const fs::path& path, const ReadOptions& options) {
+  const Survey survey = look_at(path);
+  if (survey.streams.empty()) throw input_error(path, "holds no UDP datagrams");
+  if (!survey.marked.empty()) return choose_marked(path, survey, options);
+  try {
+    return choose_ouster(path, survey, options);
+  } catch (const Error& error) {
+    throw Error(
+        error.fault(),
+        std::string(error.what()) +
+            "\nNo packets of Velodyne or Hesai in it either; datagrams:" + listed(survey.streams));
+  }
 }
 
 class CaptureLog : public ScanLog {
@@ -224,7 +229,7 @@ bool probe_capture(const fs::path& path) {
 std::unique_ptr<ScanLog> open_capture(const fs::path& path, const ReadOptions& options) {
   require_valid(options);
   try {
-    return std::make_unique<CaptureLog>(path, choose(path, options.topic));
+    return std::make_unique<CaptureLog>(path, choose(path, options));
   } catch (const Refusal& refusal) {
     throw input_error(path, refusal.what());
   }

@@ -53,6 +53,16 @@ void FolderLog::skip(std::size_t count) {
   next_index_ += std::min(count, content_.scans.size() - next_index_);
 }
 
+std::optional<std::vector<std::int64_t>> FolderLog::known_times() {
+  if (content_.stamps_are_indices) return std::nullopt;
+  std::vector<std::int64_t> times;
+  for (const ScanFile& scan : content_.scans) {
+    if (!scan.stamp_ns) return std::nullopt;
+    times.push_back(*scan.stamp_ns);
+  }
+  return times;
+}
+
 LogEntry FolderLog::read(std::size_t index) {
   ScanFile& file = content_.scans[index];
   LogEntry entry{index, file.name, Scan{}};

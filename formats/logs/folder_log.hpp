@@ -40,6 +40,7 @@ class FolderLog : public ScanLog {
   const LogInfo& info() const override { return content_.info; }
   std::optional<LogEntry> next() override;
   void skip(std::size_t count) override;
+  std::optional<std::vector<std::int64_t>> known_times() override;
   std::vector<LogFile> files() const override;
 
   /// The entry next() will give, read already: for notes that need a look at the first scan.

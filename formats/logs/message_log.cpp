@@ -12,6 +12,8 @@
 namespace kissmap {
 namespace {
 
+constexpr std::uint64_t most_index_bytes = 48 << 20;
+
 std::string described(const Topic& topic) {
   std::string text = "\n  " + topic.name + "  (" + topic.type;
   if (topic.message_count) text += ", " + std::to_string(*topic.message_count) + " messages";
@@ -90,12 +92,23 @@ class MessageLog : public ScanLog {
   }
 
   const LogInfo& info() const override { return info_; }
-  std::vector<LogFile> files() const override { return source_->files(); }
+  std::vector<LogFile> files() const override {
+    std::vector<LogFile> files = maker_->side_files();
+    std::ranges::move(source_->files(), std::back_inserter(files));
+    return files;
+  }
 
   std::optional<LogEntry> next() override {
     std::optional<LogEntry> entry = peeked_ ? std::exchange(peeked_, std::nullopt) : read();
     if (entry) entry->index = next_index_++;
     return entry;
+  }
+
+  std::optional<std::vector<std::int64_t>> known_times() override {
+    if (!maker_->one_scan_a_message()) return std::nullopt;
+    const auto& topics = source_->topics();
+    const auto own = std::ranges::find(topics, topic_, &Topic::name);
+    return source_->times(static_cast<std::size_t>(own - topics.begin()), most_index_bytes);
   }
 
   void skip(std::size_t count) override {

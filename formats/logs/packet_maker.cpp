@@ -6,16 +6,17 @@
 #include "formats/clouds/refusal.hpp"
 #include "formats/messages/message_reader.hpp"
 #include "formats/messages/packet_message.hpp"
-#include "formats/sensors/hesai_decoder.hpp"
 #include "formats/sensors/ouster_decoder.hpp"
-#include "formats/sensors/velodyne_decoder.hpp"
+#include "formats/sensors/sensor_calibration.hpp"
+#include "kissmap/error.hpp"
 
 namespace kissmap {
 namespace {
 
 class PacketMaker : public SweepMaker {
  public:
-  explicit PacketMaker(std::unique_ptr<PacketDecoder> decoder) : decoder_(std::move(decoder)) {}
+  PacketMaker(std::unique_ptr<PacketDecoder> decoder, LogFile calibration)
+      : decoder_(std::move(decoder)), calibration_(std::move(calibration)) {}
 
   void add(const Message& message, const Topic& topic) override {
     for_each_packet(message, topic, [this](std::span<const std::byte> packet, std::int64_t ns) {
@@ -34,8 +35,16 @@ class PacketMaker : public SweepMaker {
     return {"sweeps from the packets of the sensor, with a time for each point"};
   }
 
+  std::vector<LogFile> side_files() const override {
+    if (calibration_.name.empty()) return {};
+    return {calibration_};
+  }
+
  protected:
   std::unique_ptr<PacketDecoder> decoder_;
+
+ private:
+  LogFile calibration_;
 };
 
 constexpr std::size_t most_waiting_bytes = 64 << 20;
@@ -43,7 +52,7 @@ constexpr std::size_t most_waiting_bytes = 64 << 20;
 /// Packets of an Ouster sensor wait until the metadata comes, which is recorded beside them.
 class OusterMaker : public PacketMaker {
  public:
-  OusterMaker() : PacketMaker(nullptr) {}
+  OusterMaker() : PacketMaker(nullptr, {}) {}
 
   bool wants(const Topic& topic) const override {
     return topic.type == "std_msgs/String" && topic.name.find("metadata") != std::string::npos;
@@ -95,18 +104,17 @@ class OusterMaker : public PacketMaker {
 
 }  // namespace
 
-std::unique_ptr<SweepMaker> make_packet_maker(const Topic& topic) {
-  switch (packet_family(topic)) {
-    case PacketFamily::velodyne:
-      return std::make_unique<PacketMaker>(make_velodyne_decoder());
-    case PacketFamily::hesai:
-      return std::make_unique<PacketMaker>(make_hesai_decoder());
-    case PacketFamily::ouster:
-      return std::make_unique<OusterMaker>();
-    case PacketFamily::none:
-      break;
+std::unique_ptr<SweepMaker> make_packet_maker(SensorFamily family, const ReadOptions& options) {
+  const SensorCalibration calibration = read_sensor_calibration(options.calibration);
+  if (family == SensorFamily::ouster && options.calibration.empty()) {
+    return std::make_unique<OusterMaker>();
   }
-  throw Refusal(refusal_reason::unsupported, "packets of type " + topic.type);
+  try {
+    return std::make_unique<PacketMaker>(make_packet_decoder(family, calibration),
+                                         calibration.file);
+  } catch (const Refusal& refusal) {
+    throw input_error(options.calibration, refusal.what());
+  }
 }
 
 }  // namespace kissmap

@@ -59,6 +59,10 @@ class ReadAheadLog : public ScanLog {
     }
   }
 
+  std::optional<std::vector<std::int64_t>> known_times() override {
+    return started_ ? std::nullopt : log_->known_times();
+  }
+
   std::vector<LogFile> files() const override {
     const std::lock_guard lock(log_mutex_);
     return log_->files();

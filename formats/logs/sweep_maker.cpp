@@ -45,11 +45,11 @@ class CloudMaker : public SweepMaker {
 }  // namespace
 
 bool holds_scans(const Topic& topic) {
-  return is_cloud_type(topic) || packet_family(topic) != PacketFamily::none;
+  return is_cloud_type(topic) || packet_family(topic).has_value();
 }
 
 std::unique_ptr<SweepMaker> make_sweep_maker(const Topic& topic, const ReadOptions& options) {
-  if (packet_family(topic) != PacketFamily::none) return make_packet_maker(topic);
+  if (const auto family = packet_family(topic)) return make_packet_maker(*family, options);
   return std::make_unique<CloudMaker>(options);
 }
 

@@ -31,6 +31,8 @@ class SweepMaker {
   /// The sensor, where the messages tell it, and the fields of a point, once a scan was made.
   virtual std::string sensor() const { return ""; }
   virtual std::string fields() const { return ""; }
+  /// Files read besides the messages.
+  virtual std::vector<LogFile> side_files() const { return {}; }
 };
 
 /// True for topics make_sweep_maker knows what to do with.

@@ -50,19 +50,20 @@ void read_sized_packets(MessageReader& reader,
 
 }  // namespace
 
-PacketFamily packet_family(const Topic& topic) {
+std::optional<SensorFamily> packet_family(const Topic& topic) {
   if (topic.encoding != MessageEncoding::ros1 && topic.encoding != MessageEncoding::cdr) {
-    return PacketFamily::none;
+    return std::nullopt;
   }
   const std::string& type = topic.type;
-  if (type == "velodyne_msgs/VelodyneScan") return PacketFamily::velodyne;
+  if (type == "velodyne_msgs/VelodyneScan") return SensorFamily::velodyne;
   if (type == "pandar_msgs/PandarScan" || type == "hesai_lidar/PandarScan" ||
       type == "hesai_ros_driver/UdpFrame" || type == "nebula_msgs/NebulaPackets") {
-    return PacketFamily::hesai;
+    return SensorFamily::hesai;
   }
   // Packets of the inertial sensor have the same type.
   const bool inertial = topic.name.find("imu") != std::string::npos;
-  return type.ends_with("/PacketMsg") && !inertial ? PacketFamily::ouster : PacketFamily::none;
+  if (type.ends_with("/PacketMsg") && !inertial) return SensorFamily::ouster;
+  return std::nullopt;
 }
 
 void for_each_packet(const Message& message, const Topic& topic, const Take& take) {

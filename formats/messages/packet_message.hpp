@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "formats/containers/message_source.hpp"
+#include "formats/sensors/packet_decoder.hpp"
 
 namespace kissmap {
 
-/// Whose data packets a topic holds.
-enum class PacketFamily : std::uint8_t { none, velodyne, hesai, ouster };
-PacketFamily packet_family(const Topic& topic);
+/// Whose data packets a topic holds, if any.
+std::optional<SensorFamily> packet_family(const Topic& topic);
 
 /// Calls `take` with each packet of a message and the time at which it was received [ns]:
 /// velodyne_msgs/VelodyneScan, pandar_msgs/PandarScan (Autoware), hesai_lidar/PandarScan,

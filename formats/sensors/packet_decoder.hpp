@@ -12,6 +12,9 @@
 
 namespace kissmap {
 
+/// Whose packets.
+enum class SensorFamily : std::uint8_t { velodyne, hesai, ouster };
+
 /// What became of the payloads a decoder was given.
 struct PacketCounts {
   std::uint64_t decoded = 0;

@@ -3,13 +3,12 @@
 // velodyne_decoder, which agree but for constant delays.
 #include "formats/sensors/velodyne_decoder.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <optional>
 
 #include "formats/sensors/packet_bytes.hpp"
+#include "formats/sensors/past_hour_clock.hpp"
 #include "formats/sensors/sweep_builder.hpp"
 #include "formats/sensors/velodyne_packet.hpp"
 #include "formats/sensors/velodyne_tables.hpp"
@@ -17,10 +16,7 @@
 namespace kissmap {
 namespace {
 
-constexpr std::int64_t hour_us = 3'600'000'000;
 constexpr std::int64_t ns_per_us = 1000;
-constexpr double astray_us = 86.4e9;  // a day: such times have nothing in common with the host's
-constexpr std::int64_t latest_host_ns = 4'000'000'000'000'000'000;  // leaves room for the hour
 constexpr double deg_per_step = 0.01;
 constexpr double full_turn_deg = 360.0;
 constexpr double rad_per_deg = std::numbers::pi / 180.0;
@@ -42,7 +38,6 @@ class VelodyneDecoder final : public PacketDecoder {
   std::string sensor() const override { return model_ == nullptr ? "Velodyne" : model_->name; }
 
  private:
-  std::int64_t place_in_time(std::int64_t past_hour_us, std::int64_t host_ns);
   void measure_pace(std::int64_t packet_us, const VelodyneBlocks& blocks);
   void measure_rate(const PacketBytes& packet,
                     const VelodyneBlocks& blocks,
@@ -58,8 +53,8 @@ class VelodyneDecoder final : public PacketDecoder {
   SweepBuilder sweep_{sweeps_};
   double group_us_ = alpha_prime_group_us;
   double deg_per_us_ = 0.0;
+  PastHourClock clock_;
   struct Before {
-    std::int64_t host_ns = 0;
     std::int64_t packet_us = 0;
     int azimuth_steps = 0;
   };
@@ -71,7 +66,7 @@ class VelodyneDecoder final : public PacketDecoder {
 };
 
 void VelodyneDecoder::add(std::span<const std::byte> payload, std::int64_t received_ns) {
-  const std::int64_t host_ns = std::clamp(received_ns, -latest_host_ns, latest_host_ns);
+  const std::int64_t host_ns = placeable(received_ns);
   const PacketBytes packet(payload);
   if (!is_velodyne_packet(packet)) {
     ++counts_.foreign;
@@ -88,10 +83,10 @@ void VelodyneDecoder::add(std::span<const std::byte> payload, std::int64_t recei
     ++counts_.damaged;
     return;
   }
-  const std::int64_t packet_us = place_in_time(velodyne_us_past_hour(packet), host_ns);
+  const std::int64_t packet_us = clock_.place(velodyne_us_past_hour(packet), host_ns);
   measure_pace(packet_us, blocks);
   measure_rate(packet, blocks, packet_us);
-  before_ = Before{host_ns, packet_us, velodyne_azimuth_steps(packet, 0)};
+  before_ = Before{packet_us, velodyne_azimuth_steps(packet, 0)};
   packet_ns_ = packet_us * ns_per_us;
   for (std::size_t block = 0; block < blocks.count; ++block) {
     time_block_ = block / blocks.returns();
@@ -118,19 +113,6 @@ void VelodyneDecoder::begin_column(const PacketBytes& packet,
   sweep_.begin_column(velodyne_azimuth_steps(packet, block) * deg_per_step,
                       packet_ns_ + std::llround(column_us_ * ns_per_us),
                       host_ns);
-}
-
-// Microseconds since 1970 of a time past the hour, nearest to what is expected.
-std::int64_t VelodyneDecoder::place_in_time(std::int64_t past_hour_us, std::int64_t host_ns) {
-  const double host_us = static_cast<double>(host_ns) / ns_per_us;
-  double expected_us = host_us;
-  if (before_ && std::abs(host_us - static_cast<double>(before_->packet_us)) < astray_us) {
-    expected_us =
-        static_cast<double>(before_->packet_us) +
-        (static_cast<double>(host_ns) - static_cast<double>(before_->host_ns)) / ns_per_us;
-  }
-  return std::llround((expected_us - static_cast<double>(past_hour_us)) / hour_us) * hour_us +
-         past_hour_us;
 }
 
 // Firmwares of the Alpha Prime differ in pace, which the time from packet to packet tells.

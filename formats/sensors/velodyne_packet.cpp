@@ -40,7 +40,6 @@ std::uint16_t mark(const PacketBytes& bytes, std::size_t block) {
   return bytes.u16(block * velodyne_block_size);
 }
 
-// The HDL-64E has upper and lower banks in turns, and its status where others have the product.
 bool looks_like_hdl_64e(const PacketBytes& bytes) {
   return mark(bytes, 1) == bank_marks[1] && mark(bytes, 2) == bank_marks[0];
 }
@@ -55,10 +54,20 @@ bool is_velodyne_packet(const PacketBytes& bytes) {
   return bytes.size() == packet_size && mark(bytes, 0) == bank_marks[0];
 }
 
+bool is_hdl_64e_packet(const PacketBytes& bytes) {
+  for (std::size_t block = 0; block < VelodyneBlocks().count; ++block) {
+    if (mark(bytes, block) != bank_marks[block % 2]) return false;
+    if (velodyne_azimuth_steps(bytes, block) > velodyne_steps_per_turn) return false;
+  }
+  return true;
+}
+
 const VelodyneModel& recognize_velodyne(const PacketBytes& bytes) {
   const std::uint8_t product = velodyne_product(bytes);
   if (looks_like_hdl_64e(bytes)) {
-    refuse("packets of a Velodyne HDL-64E, whose units each have a calibration of their own");
+    refuse(
+        "packets of a Velodyne HDL-64E, whose units each have a calibration of their own: give it "
+        "with --calibration, the ROS driver's YAML file");
   }
   if (product == product_vlp_32_ab) {
     refuse("packets of a Velodyne VLP-32A or VLP-32B: they do not tell which, and angles differ");

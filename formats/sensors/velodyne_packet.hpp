@@ -28,6 +28,10 @@ struct VelodyneBlocks {
 /// Whether a payload has the size and the mark of Velodyne's data packets. Only then ask the rest.
 bool is_velodyne_packet(const PacketBytes& bytes);
 
+/// Whether it is an HDL-64E's, which has upper and lower banks in turns, and its status where
+/// others have the product; azimuths are checked as well.
+bool is_hdl_64e_packet(const PacketBytes& bytes);
+
 /// The model a packet is of. Throws Refusal for one that is not supported or in a return mode that
 /// is not, naming it.
 const VelodyneModel& recognize_velodyne(const PacketBytes& bytes);

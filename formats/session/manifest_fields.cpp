@@ -23,7 +23,8 @@ ordered_json read_options_to_json(const ReadOptions& options) {
           {"time_field", options.time_field},
           {"time_unit", options.time_unit},
           {"bin_columns", options.bin_columns},
-          {"topic", options.topic}};
+          {"topic", options.topic},
+          {"calibration", options.calibration}};
 }
 
 ReadOptions read_options_from_json(const json& object) {
@@ -34,8 +35,9 @@ ReadOptions read_options_from_json(const json& object) {
   const std::uint64_t columns = unsigned_field(object, "bin_columns");
   require_kind(columns <= std::numeric_limits<int>::max(), "bin_columns", "a count", object);
   options.bin_columns = static_cast<int>(columns);
-  // Sessions made before bags were read have none.
+  // Sessions made before bags were read have neither.
   if (object.contains("topic")) options.topic = string_field(object, "topic");
+  if (object.contains("calibration")) options.calibration = string_field(object, "calibration");
   return options;
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -179,7 +180,19 @@ TEST_P(RosBags, OfRos2GiveTheMapOfTheFolder) {
   expect_same(dir_.path() / "bag");
 }
 
-TEST_P(RosBags, AsMcapGiveTheMapOfTheFolder) {
+/// A bag made by the program that knows the layouts of ROS 2 and MCAP, but nothing of kissmap.
+fs::path write_ros2_bag(const fs::path& log, const fs::path& out, const std::string& form) {
+  const ProgramResult written = run_program(
+      {KISSMAP_TEST_PYTHON, "-I", KISSMAP_CLIENT_SOURCES "/write_ros2_bag.py", log, out, form});
+  if (written.exit_code != 0) throw std::runtime_error(written.err);
+  return out;
+}
+
+TEST_P(RosBags, OfMcapGiveTheMapOfTheFolder) {
+  expect_same(write_ros2_bag(log_, dir_.path() / "log.mcap", "mcap-lz4"));
+}
+
+TEST_P(RosBags, ConvertedToMcapGiveTheMapOfTheFolder) {
   const fs::path file = dir_.path() / "log.mcap";
   run_kissmap({"convert", log_, "-o", file, "--to", "mcap", "--quiet"});
   expect_same(file);
@@ -244,6 +257,53 @@ TEST(Ros2Bags, OfEverySchemaAndByteOrder) {
     EXPECT_TRUE(scan.points == std::get<Scan>(first->content).points);
   }
 }
+
+class Ros2Forms : public testing::TestWithParam<const char*> {};
+
+TEST_P(Ros2Forms, GiveEveryScan) {
+  if (recordings().empty()) GTEST_SKIP() << "needs the recordings";
+  const std::string form = GetParam();
+  const bool is_file = form.starts_with("mcap-") && form != "mcap-bare";
+  const TempDir dir;
+  const fs::path log = recordings() / "campus_avia_loop";
+  const auto found =
+      open_log(write_ros2_bag(log, dir.path() / (is_file ? "log.mcap" : "log"), form));
+  EXPECT_EQ(found->info().scan_count, 314U);
+  ASSERT_EQ(found->info().topics.size(), 2U);
+  EXPECT_EQ(found->info().topics[0].name, "/fix");
+  const auto expected = open_log(log);
+  while (const auto wanted = expected->next()) {
+    const auto entry = found->next();
+    ASSERT_TRUE(entry.has_value());
+    ASSERT_TRUE(std::holds_alternative<Scan>(entry->content));
+    const auto& scan = std::get<Scan>(entry->content);
+    EXPECT_EQ(scan.stamp_ns, std::get<Scan>(wanted->content).stamp_ns);
+    EXPECT_TRUE(scan.points == std::get<Scan>(wanted->content).points);
+  }
+  const auto after = found->next();
+  EXPECT_EQ(after.has_value(), form == "mcap-cut");  // tells that the end is missing
+  if (after) EXPECT_TRUE(std::holds_alternative<RefusedScan>(after->content));
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         Ros2Forms,
+                         testing::Values("mcap-none",
+                                         "mcap-lz4",
+                                         "mcap-zstd",
+                                         "mcap-unchunked",
+                                         "mcap-cut",
+                                         "db3",
+                                         "db3-file",
+                                         "db3-message",
+                                         "mcap",
+                                         "db3-bare",
+                                         "db3-file-bare",
+                                         "mcap-bare"),
+                         [](const auto& form) {
+                           std::string name = form.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace kissmap

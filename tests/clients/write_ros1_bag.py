@@ -5,7 +5,6 @@ write_ros1_bag.py LOG_FOLDER OUT.bag none|bz2|lz4 [chunk bytes]
 
 Stamps come from times.txt, else from the names; beside the clouds there are other topics.
 """
-import decimal
 import pathlib
 import sys
 
@@ -14,23 +13,8 @@ import rosbag
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, NavSatFix, PointCloud2, PointField
 
-
-def read_pcd(path):
-    """Bytes of the points, and how many bytes and fields each has."""
-    content = path.read_bytes()
-    end = content.index(b"DATA binary\n") + len(b"DATA binary\n")
-    head = dict(line.split(" ", 1) for line in content[:end].decode().splitlines() if not line.startswith("#"))
-    count = int(head["POINTS"])
-    fields = head["FIELDS"].split()
-    return content[end:end + count * 4 * len(fields)], count, fields
-
-
-def stamps_of(folder, scans):
-    times = folder / "times.txt"
-    if times.exists():
-        exact = [decimal.Decimal(line) for line in times.read_text().split()]
-        return [int((t * 10**9).to_integral_value(decimal.ROUND_HALF_EVEN)) for t in exact]
-    return [int(a) * 10**9 + int(b) for a, b in (p.stem.split("_") for p in scans)]
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from pcd_log import read_pcd, stamped_scans
 
 
 def cloud(path, stamp):
@@ -48,13 +32,10 @@ def cloud(path, stamp):
 
 
 def main():
-    log, out, compression = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
-    folder = log / "scans" if (log / "scans").is_dir() else log
-    scans = sorted(folder.glob("*.pcd"), key=lambda p: tuple(int(s) for s in p.stem.split("_")))
-    stamps = stamps_of(log, scans)
+    log, out, compression = sys.argv[1:4]
     threshold = int(sys.argv[4]) if len(sys.argv) > 4 else 768 * 1024
     with rosbag.Bag(out, "w", compression=compression, chunk_threshold=threshold) as bag:
-        for path, ns in zip(scans, stamps):
+        for path, ns in stamped_scans(log):
             stamp = genpy.Time(ns // 10**9, ns % 10**9)
             bag.write("/imu", Imu(), stamp)
             bag.write("/points", cloud(path, stamp), stamp)

@@ -5,68 +5,25 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "formats/capture_bytes.hpp"
 #include "formats/support.hpp"
 
 namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
+using test::big16;
 using test::Bytes;
 using test::error_of;
+using test::ethernet;
+using test::ipv4;
+using test::pcap;
+using test::pcap_head;
+using test::pcap_record;
 using test::TempDir;
+using test::udp;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-std::string big16(std::size_t value) {
-  return Bytes(std::endian::big).add<std::uint16_t>(static_cast<std::uint16_t>(value)).text();
-}
-
-std::string udp(std::uint16_t port, const std::string& payload) {
-  return big16(5000) + big16(port) + big16(payload.size() + 8) + big16(0) + payload;
-}
-
-std::string ipv4(const std::string& content,
-                 std::uint16_t id = 1,
-                 std::size_t place = 0,
-                 char protocol = 17) {
-  return std::string("\x45\x00", 2) + big16(content.size() + 20) + big16(id) + big16(place) +
-         "\x40" + protocol + big16(0) + "\x0a\x01\x01\x01\x0a\x01\x01\x02" + content;
-}
-
-std::string ethernet(const std::string& packet) {
-  return std::string(12, 'm') + "\x08" + std::string(1, '\0') + packet;
-}
-
-std::string pcap_head(std::uint32_t link, std::endian order, std::uint32_t magic) {
-  return Bytes(order)
-      .add<std::uint32_t>(magic)
-      .add<std::uint16_t>(2)
-      .add<std::uint16_t>(4)
-      .add<std::uint32_t>(0)
-      .add<std::uint32_t>(0)
-      .add<std::uint32_t>(262144)
-      .add<std::uint32_t>(link)
-      .text();
-}
-
-std::string pcap_record(const std::string& frame,
-                        std::uint32_t fraction = 5,
-                        std::endian order = std::endian::little,
-                        std::size_t original = 0) {
-  return Bytes(order)
-             .add<std::uint32_t>(1700000000)
-             .add<std::uint32_t>(fraction)
-             .add<std::uint32_t>(static_cast<std::uint32_t>(frame.size()))
-             .add<std::uint32_t>(static_cast<std::uint32_t>(std::max(original, frame.size())))
-             .text() +
-         frame;
-}
-
-std::string pcap(const std::vector<std::string>& frames, std::uint32_t link = 1) {
-  std::string file = pcap_head(link, std::endian::little, 0xA1B2C3D4);
-  for (const std::string& frame : frames) file += pcap_record(frame);
-  return file;
-}
 
 struct Read {
   std::vector<std::string> payloads;

@@ -16,7 +16,7 @@ LogIdentity example_log() {
   log.path = "/data/\"quoted\" folder/l\xc3\xb6g";
   log.format = "fake";
   log.stamp_source = "file names";
-  log.read_options = {false, "t,\n", "us", 7, "/a \"topic\""};
+  log.read_options = {false, "t,\n", "us", 7, "/a \"topic\"", "/a/unit.csv"};
   log.selection = {3, 1000, 2};
   log.files = {{"scans/0.pcd", 0, ""},
                {"scans/1.pcd",

@@ -21,7 +21,12 @@ struct ReadOptions {
   std::string time_field;  ///< name of the per-point time field; empty: found by rule
   std::string time_unit;   ///< s, ms, us, ns or none (no times); empty: found by rule
   int bin_columns = 0;     ///< float32 columns of a headerless .bin; 0: found by rule
-  std::string topic;       ///< of a bag or MCAP file; empty: the one that holds scans
+  /// Topic of a bag or MCAP file, port of a capture, scene of nuScenes; empty: the only one.
+  std::string topic;
+  /// What came with the sensor whose packets are recorded: a Hesai's angles (.csv), the ROS
+  /// driver's file of an HDL-64E (.yaml), an Ouster's metadata (.json); empty: none, or found
+  /// beside the log.
+  std::string calibration;
 };
 /// Throws Error(usage) naming the field.
 void require_valid(const ReadOptions& options);
@@ -79,6 +84,11 @@ class ScanLog {
 
   /// Passes over `count` scans, without decoding them where the format allows.
   virtual void skip(std::size_t count);
+
+  /// Stamps of all scans in recorded order, or when they were recorded [ns], where names of files,
+  /// a table or an index tell them without much being read; otherwise nothing. Before the first
+  /// next().
+  virtual std::optional<std::vector<std::int64_t>> known_times() { return std::nullopt; }
 
   /// Every file of the log, hashed where it has been read so far.
   virtual std::vector<LogFile> files() const = 0;

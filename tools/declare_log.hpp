@@ -17,6 +17,25 @@ inline CLI::Validator whole_number() {
           ""};
 }
 
+/// Declares --format, --topic and --calibration, for commands without a configuration.
+inline void declare_log(CLI::App& command, std::string& format, ReadOptions& options) {
+  command.add_option("--format", format, "format of the log (default: found by looking at it)")
+      ->type_name("NAME");
+  command
+      .add_option("--topic",
+                  options.topic,
+                  "topic of a bag or MCAP file, port of a capture, scene of nuScenes (the only one "
+                  "there is)")
+      ->type_name("NAME");
+  command
+      .add_option("--calibration",
+                  options.calibration,
+                  "what came with the sensor whose packets are recorded: a Hesai's angles (.csv), "
+                  "the ROS driver's file of an HDL-64E (.yaml), an Ouster's metadata (.json; found "
+                  "beside a capture)")
+      ->type_name("FILE");
+}
+
 /// Declares --first, --last and --every.
 inline void declare_selection(CLI::App& command, ScanSelection& selection) {
   command.add_option("--first", selection.first, "index of the first scan to use, from 0 (0)")
