@@ -72,6 +72,7 @@ struct EvalCommand {
   std::filesystem::path reference;
   std::filesystem::path times;        ///< stamps for trajectories that have none
   std::filesystem::path calibration;  ///< calib.txt of KITTI: estimates of the LiDAR
+  std::string mount;                  ///< of the LiDAR in the reference's frame
   double tolerance = 0.01;            ///< s
   double offset = 0.0;                ///< s
   std::string align = "se3";

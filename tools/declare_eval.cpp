@@ -23,6 +23,14 @@ void declare_inputs(CLI::App& command, EvalCommand& c) {
                   "calib.txt: the estimates are poses of the LiDAR, the reference is of camera 0")
       ->type_name("FILE");
   command
+      .add_option("--mount",
+                  c.mount,
+                  "the reference is not of the LiDAR: where the LiDAR sits in the frame it is of, "
+                  "x,y,z,qx,qy,qz,qw [m] or newer-college-2020 (camera), newer-college-2021, "
+                  "oxford-spires (base)")
+      ->type_name("POSE")
+      ->excludes("--kitti-calib");
+  command
       .add_option("--tolerance",
                   c.tolerance,
                   "stamps farther apart are no pair [s] (0.01); without stamps, pairs go by index")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "commands.hpp"
@@ -101,10 +102,11 @@ auto naming(const fs::path& path, const Call& call) {
   }
 }
 
-std::vector<Rigid3> of_camera(std::vector<Rigid3> map_from_lidar, const fs::path& calibration) {
-  const Rigid3 lidar_from_cam0 = read_kitti_calibration(calibration).inverse();
-  for (Rigid3& pose : map_from_lidar) pose = pose * lidar_from_cam0;
-  return map_from_lidar;
+/// Where the LiDAR sits in the frame whose poses the reference holds.
+std::optional<Rigid3> reference_from_lidar(const EvalCommand& command) {
+  if (!command.calibration.empty()) return read_kitti_calibration(command.calibration);
+  if (!command.mount.empty()) return mount_from(command.mount);
+  return std::nullopt;
 }
 
 /// All estimates are paired before any is judged: the segments have to be the same for all.
@@ -114,13 +116,14 @@ EvaluationReport evaluate_all(const EvalCommand& command) {
   const TrajectoryFile reference = read_trajectory(command.reference, command.times);
   report.reference = summary_of(command.reference, reference);
   report.reference_poses = reference.trajectory.poses;
+  const std::optional<Rigid3> mount = reference_from_lidar(command);
   std::vector<PosePairs> pairs;
   double longest = 0.0;
   for (const fs::path& path : command.estimates) {
     TrajectoryFile file = read_trajectory(path, command.times);
     report.estimates.push_back({summary_of(path, file), {}});
-    if (!command.calibration.empty()) {
-      file.trajectory.poses = of_camera(std::move(file.trajectory.poses), command.calibration);
+    if (mount) {
+      for (Rigid3& pose : file.trajectory.poses) pose = pose * mount->inverse();
     }
     pairs.push_back(naming(path, [&] {
       return associate(reference.trajectory, file.trajectory, report.options.association);

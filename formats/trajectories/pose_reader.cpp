@@ -50,6 +50,16 @@ PoseRow euroc_row(std::string_view line) {
   return {stamp, {unit_quaternion(q), position(std::span(fields).subspan(1))}};
 }
 
+// Without a stamp, or with one in front.
+PoseRow position_row(std::string_view line) {
+  const Fields fields = split_at_spaces(line);
+  require_columns(fields, 3, 4);
+  if (fields.size() == 3) return {std::nullopt, {Eigen::Quaterniond::Identity(), position(fields)}};
+  const auto stamp = nanoseconds_from_seconds(fields[0]);
+  if (!stamp) throw std::invalid_argument(in_quotes(fields[0]) + " is no stamp in seconds");
+  return {stamp, {Eigen::Quaterniond::Identity(), position(std::span(fields).subspan(1))}};
+}
+
 PoseRow kitti_row(std::string_view line) {
   const Fields fields = split_at_spaces(line);
   require_columns(fields, kitti_columns, kitti_columns);
@@ -68,6 +78,7 @@ std::optional<PoseLayout> layout_of(std::string_view line) {
   if (columns == tum_columns) return PoseLayout::tum;
   if (columns == kitti_columns) return PoseLayout::kitti;
   if (columns == apollo_columns) return PoseLayout::apollo;
+  if (columns == 3 || columns == 4) return PoseLayout::positions;
   return std::nullopt;
 }
 
@@ -89,6 +100,8 @@ const char* name_of(PoseLayout layout) {
       return "Oxford Spires";
     case PoseLayout::apollo:
       return "Apollo-SouthBay";
+    case PoseLayout::positions:
+      return "positions";
     case PoseLayout::euroc:
       break;
   }
@@ -103,6 +116,8 @@ PoseRow read_pose_row(std::string_view line, PoseLayout layout) {
       return kitti_row(line);
     case PoseLayout::euroc:
       return euroc_row(line);
+    case PoseLayout::positions:
+      return position_row(line);
     case PoseLayout::apollo:
       return dataset_row(split_at_spaces(line), layout);
     default:

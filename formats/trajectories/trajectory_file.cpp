@@ -19,8 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* known_layouts =
-    "known are TUM (stamp x y z qx qy qz qw), KITTI (12 numbers), EuRoC (ns,x,y,z,qw,qx,qy,qz) and "
-    "the ground truth of MulRan, HeLiPR, Boreas, NCLT, Newer College, Oxford Spires and "
+    "known are TUM (stamp x y z qx qy qz qw), KITTI (12 numbers), EuRoC (ns,x,y,z,qw,qx,qy,qz), "
+    "positions (x y z or stamp x y z) and the ground truth of MulRan, HeLiPR, Boreas, NCLT, Newer College, Oxford Spires and "
     "Apollo-SouthBay";
 
 std::string at_line(std::size_t line) {
@@ -49,6 +49,9 @@ PoseLayout require_layout(std::string_view line, std::size_t number, const fs::p
 
 void append_row(TrajectoryFile& file, const PoseRow& row) {
   Trajectory& trajectory = file.trajectory;
+  if (row.stamp_ns.has_value() != trajectory.has_stamps() && trajectory.size() > 0) {
+    throw std::invalid_argument("some lines have a stamp, others have none");
+  }
   if (row.stamp_ns) {
     if (!trajectory.stamps_ns.empty()) {
       const std::int64_t last = trajectory.stamps_ns.back();
@@ -80,6 +83,7 @@ TrajectoryFile from_text(const fs::path& path) {
   }
   if (!layout) throw input_error(path, std::string("holds no pose; ") + known_layouts);
   file.format = name_of(*layout);
+  file.trajectory.positions_only = *layout == PoseLayout::positions;
   return file;
 }
 

@@ -133,8 +133,10 @@ PosePairs associate(const Trajectory& reference,
     throw Error(Fault::input, "a trajectory without poses cannot be compared");
   }
   const bool by_stamp = reference.has_stamps() && estimate.has_stamps();
-  return by_stamp ? pair_by_stamp(reference, estimate, options)
-                  : pair_by_index(reference, estimate);
+  PosePairs pairs = by_stamp ? pair_by_stamp(reference, estimate, options)
+                             : pair_by_index(reference, estimate);
+  pairs.positions_only = reference.positions_only || estimate.positions_only;
+  return pairs;
 }
 
 }  // namespace kissmap

@@ -10,6 +10,10 @@ namespace kissmap {
 namespace {
 
 Rigid3 require_alignment(const PosePairs& pairs, MapAlignment alignment) {
+  if (pairs.positions_only && alignment == MapAlignment::first) {
+    throw Error(Fault::input,
+                "only positions are known: the first pose cannot be aligned by; align by se3 or yaw");
+  }
   if (const auto found = align(pairs.reference, pairs.estimate, alignment)) return *found;
   throw Error(Fault::input,
               "the " + std::to_string(pairs.size()) +
@@ -18,7 +22,8 @@ Rigid3 require_alignment(const PosePairs& pairs, MapAlignment alignment) {
 }
 
 RelativeError relative_error_of(const PosePairs& pairs, const Delta& delta, PairChoice choice) {
-  if (delta.unit == DeltaUnit::seconds && pairs.stamps_ns.empty()) return {delta, {}, {}};
+  const bool no_stamps = delta.unit == DeltaUnit::seconds && pairs.stamps_ns.empty();
+  if (no_stamps || pairs.positions_only) return {delta, {}, {}};
   const PoseErrors errors =
       relative_error(pairs.reference,
                      pairs.estimate,
@@ -44,11 +49,14 @@ Evaluation evaluate(PosePairs pairs, const EvaluationOptions& options) {
   result.absolute =
       absolute_error(matched.reference, transformed(result.reference_from_map, matched.estimate));
   result.absolute_translation = statistics(result.absolute.translation);
+  if (matched.positions_only) result.absolute.rotation.clear();
   result.absolute_rotation = statistics(result.absolute.rotation);
   for (const Delta& delta : options.deltas) {
     result.relative.push_back(relative_error_of(matched, delta, options.pairs));
   }
-  result.kitti = kitti_error(matched.reference, matched.estimate, options.kitti);
+  if (!matched.positions_only) {
+    result.kitti = kitti_error(matched.reference, matched.estimate, options.kitti);
+  }
   return result;
 }
 

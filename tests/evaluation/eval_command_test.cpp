@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -79,6 +80,55 @@ TEST_F(EvalCommandLine, TheTruthHasNoError) {
   EXPECT_LT(estimate["ate"]["translation_m"]["max"], 1e-9);
   EXPECT_LT(estimate["kitti"]["translation_percent"], 1e-9);
   EXPECT_GT(estimate["kitti"]["segments"], 50);
+}
+
+// The reference is of a camera beside the LiDAR: without the mount each turn moves them apart.
+TEST_F(EvalCommandLine, AReferenceOfAnotherSensorWantsTheMount) {
+  const Rigid3 camera_from_lidar{
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX())), {0.5, -2.0, 0.25}};
+  std::vector<Rigid3> of_camera = winding_way(900, 0.4);
+  for (Rigid3& pose : of_camera) pose = pose * camera_from_lidar.inverse();
+  write_text(path("camera.tum"), tum_text(of_camera));
+  std::string mount = tum_line(0, camera_from_lidar);
+  mount = mount.substr(mount.find(' ') + 1);
+  mount.pop_back();
+  std::ranges::replace(mount, ' ', ',');
+  const auto error = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{path("truth.tum"), "--reference", path("camera.tum")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return json_of(arguments)["estimates"][0];
+  };
+  EXPECT_GT(error({})["ate"]["translation_m"]["rmse"], 0.5);
+  const Json with_mount = error({"--mount", mount});
+  EXPECT_LT(with_mount["ate"]["translation_m"]["max"], 1e-9);
+  EXPECT_LT(with_mount["ate"]["rotation_deg"]["max"], 1e-6);
+  EXPECT_EQ(eval({path("truth.tum"), "--reference", path("camera.tum"), "--mount", "x"}).exit_code,
+            2);
+}
+
+// Of the same figures as the whole poses, only those of positions are there.
+TEST_F(EvalCommandLine, OfAReferenceOfPositionsTheAteOfPositionsIsTold) {
+  std::string positions;
+  for (const Rigid3& pose : winding_way(900, 0.4)) {
+    std::ostringstream line;
+    line.precision(17);
+    line << pose.translation.transpose() << '\n';
+    positions += line.str();
+  }
+  write_text(path("positions.txt"), positions);
+  const Json whole = json_of({path("near.tum"), "--reference", path("truth.tum")})["estimates"][0];
+  const Json found =
+      json_of({path("near.tum"), "--reference", path("positions.txt")})["estimates"][0];
+  const double expected = whole["ate"]["translation_m"]["rmse"];
+  EXPECT_NEAR(found["ate"]["translation_m"]["rmse"], expected, 1e-9);
+  EXPECT_TRUE(found["ate"]["rotation_deg"]["rmse"].is_null()) << found["ate"].dump();
+  const ProgramResult shown = eval({path("near.tum"), "--reference", path("positions.txt")});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("(positions, 900 poses"));
+  const ProgramResult first =
+      eval({path("near.tum"), "--reference", path("positions.txt"), "--align", "first"});
+  EXPECT_EQ(first.exit_code, 3);
+  EXPECT_THAT(first.err, HasSubstr("align by se3"));
 }
 
 TEST_F(EvalCommandLine, TheKittiErrorEqualsTheIndependentScript) {

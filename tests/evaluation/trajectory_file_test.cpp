@@ -119,6 +119,38 @@ TEST_F(ReadTrajectory, NewerCollegeSpiresAndSouthBayByHand) {
   EXPECT_NEAR(bay.trajectory.poses[0].angle(), std::numbers::pi / 2, 1e-6);
 }
 
+TEST_F(ReadTrajectory, PositionsAreReadWithAndWithoutStamps) {
+  const TrajectoryFile bare = read_trajectory(file("1 2 3\n4 5 6\n"));
+  EXPECT_EQ(bare.format, "positions");
+  EXPECT_TRUE(bare.trajectory.positions_only);
+  EXPECT_FALSE(bare.trajectory.has_stamps());
+  EXPECT_EQ(bare.trajectory.poses[1].translation, Eigen::Vector3d(4, 5, 6));
+  const TrajectoryFile stamped = read_trajectory(file("1700000000.25 2 3 4\n"));
+  EXPECT_TRUE(stamped.trajectory.positions_only);
+  EXPECT_EQ(stamped.trajectory.stamps_ns[0], 1'700'000'000'250'000'000);
+  EXPECT_FALSE(read_trajectory(file("1 0 0 0 0 0 0 1\n")).trajectory.positions_only);
+}
+
+TEST(Mounts, AreNumbersOrTheNameOfADataSet) {
+  const Rigid3 written = mount_from("1,2,3,0,0,1,0");
+  EXPECT_EQ(written.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(written.angle(), std::numbers::pi, 1e-12);
+  // Turned by 135 degrees against the camera.
+  const Rigid3 college = mount_from("newer-college-2020");
+  EXPECT_NEAR(college.angle(), 0.75 * std::numbers::pi, 1e-2);
+  EXPECT_NEAR(college.rotation.norm(), 1.0, 1e-15);
+  EXPECT_NEAR(mount_from("oxford-spires").translation.z(), 0.124, 1e-15);
+  for (const char* wrong : {"", "newer-college", "1,2,3", "1,2,3,0,0,0,0", "a,2,3,0,0,0,1"}) {
+    try {
+      mount_from(wrong);
+      ADD_FAILURE() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault(), Fault::usage);
+      EXPECT_THAT(error.what(), HasSubstr("newer-college-2020"));
+    }
+  }
+}
+
 TEST_F(ReadTrajectory, EurocByHand) {
   const TrajectoryFile read =
       read_trajectory(file("\xef\xbb\xbf#timestamp, p_x [m], ...\r\n"
@@ -151,7 +183,10 @@ TEST_F(ReadTrajectory, HostileFilesNameTheLine) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "holds no pose"},
       {"# only a comment\n\n", "holds no pose"},
-      {"1 2 3\n", "line 1"},
+      {"1 2\n", "line 1"},
+      {"1 2 3\n1 2 3 4\n", "line 2: some lines have a stamp"},
+      {"1 2 3\n1 2\n", "line 2: 2 columns"},
+      {"1 2 3 4\n0.5 2 3 4\n", "line 2: the stamp is before"},
       {std::string("\0\1\2\xff\n", 5), "line 1"},
       {"#\n" + good + "2 0 0 0 0 0 1\n", "line 3: 7 columns"},
       {good + "2 0 0 0 0 0 0 1 9\n", "line 2: 9 columns"},

@@ -11,8 +11,10 @@
 namespace kissmap {
 
 void fuzz_bin(std::span<const std::byte> input);
+void fuzz_calibration(std::span<const std::byte> input);
 void fuzz_capture(std::span<const std::byte> input);
 void fuzz_cloud_message(std::span<const std::byte> input);
+void fuzz_dataset(std::span<const std::byte> input);
 void fuzz_edits(std::span<const std::byte> input);
 void fuzz_g2o(std::span<const std::byte> input);
 void fuzz_lvx(std::span<const std::byte> input);
@@ -30,8 +32,10 @@ namespace {
 TEST(FuzzInputs, AreReadOrRefused) {
   const std::map<std::string, std::function<void(std::span<const std::byte>)>> targets = {
       {"bin", fuzz_bin},
+      {"calibration", fuzz_calibration},
       {"capture", fuzz_capture},
       {"cloud_message", fuzz_cloud_message},
+      {"dataset", fuzz_dataset},
       {"edits", fuzz_edits},
       {"g2o", fuzz_g2o},
       {"lvx", fuzz_lvx},

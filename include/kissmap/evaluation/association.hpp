@@ -23,7 +23,8 @@ struct PosePairs {
   std::vector<Rigid3> estimate;         ///< map_from_sensor
   std::vector<std::size_t> reference_idx;
   std::vector<std::size_t> estimate_idx;
-  bool by_stamp = false;  ///< else by index
+  bool by_stamp = false;        ///< else by index
+  bool positions_only = false;  ///< of one of them rotations are not known
 
   std::size_t size() const { return reference.size(); }
 };

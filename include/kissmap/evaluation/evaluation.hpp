@@ -42,7 +42,8 @@ struct Evaluation {
 };
 
 /// Judges poses that belong together. Relative pairs are chosen on the estimate (as evo does),
-/// segments of the KITTI error on the reference. Throws Error(input) where the alignment is not
+/// segments of the KITTI error on the reference. Where only positions are known, the absolute error
+/// of translation is all there is. Throws Error(input) where the alignment is not
 /// defined.
 Evaluation evaluate(PosePairs pairs, const EvaluationOptions& options = {});
 

@@ -13,6 +13,7 @@ namespace kissmap {
 struct Trajectory {
   std::vector<std::int64_t> stamps_ns;  ///< one a pose, never falling; or none at all
   std::vector<Rigid3> poses;
+  bool positions_only = false;  ///< rotations are not known, and identity here
 
   bool has_stamps() const { return !stamps_ns.empty(); }
   std::size_t size() const { return poses.size(); }
