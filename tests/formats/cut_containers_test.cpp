@@ -97,7 +97,7 @@ TEST(CutContainers, OfARecordedSqliteBagGiveWhatCameBefore) {
   const std::string content = content_of(file);
   const TempDir dir;
   int with_scans = 0;
-  for (std::size_t percent = 0; percent < 100; percent += 5) {
+  for (std::size_t percent = 0; percent < 100; ++percent) {
     const fs::path cut = dir.write("cut.db3", content.substr(0, content.size() * percent / 100));
     try {
       const auto entries = read_all(*open_log(cut));
@@ -110,6 +110,48 @@ TEST(CutContainers, OfARecordedSqliteBagGiveWhatCameBefore) {
     }
   }
   EXPECT_GT(with_scans, 3);
+}
+
+/// Sweeps of a capture cut at every hundredth: those before the cut, the last of them begun.
+void expect_sweeps_before_cuts(const fs::path& capture, const fs::path& metadata = {}) {
+  const auto whole = read_all(*open_log(capture));
+  const std::string content = content_of(capture);
+  const TempDir dir;
+  if (!metadata.empty()) dir.write("cut.json", content_of(metadata));
+  std::size_t most = 0;
+  for (std::size_t percent = 0; percent < 100; ++percent) {
+    const fs::path cut = dir.write("cut.pcap", content.substr(0, content.size() * percent / 100));
+    std::vector<LogEntry> entries;
+    try {
+      entries = read_all(*open_log(cut));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault(), Fault::input);
+      EXPECT_THAT(error.what(), HasSubstr("cut.pcap"));
+      continue;
+    }
+    // A cut between two packets cannot be told from the end of the recording.
+    if (std::holds_alternative<RefusedScan>(entries.back().content)) {
+      EXPECT_EQ(test::refusal_of(entries.back()).reason, "truncated file");
+      entries.pop_back();
+    }
+    ASSERT_LE(entries.size(), whole.size());
+    for (std::size_t i = 0; i + 1 < entries.size(); ++i) expect_same(entries[i], whole[i]);
+    most = std::max(most, entries.size());
+    if (entries.empty()) continue;
+    const auto& begun = scan_of(entries.back()).points;
+    const auto& expected = scan_of(whole[entries.size() - 1]).points;
+    ASSERT_LE(begun.size(), expected.size()) << percent;
+  }
+  EXPECT_EQ(most, whole.size());
+}
+
+TEST(CutContainers, OfACaptureGiveTheSweepsBefore) {
+  const char* data = std::getenv("KISSMAP_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "needs the recordings";
+  const fs::path packets = fs::path(data) / "packets";
+  expect_sweeps_before_cuts(packets / "velodyne/sample_velodyne_hdl32.pcap");
+  expect_sweeps_before_cuts(packets / "ouster/OS-1-128_v2.3.0_1024x10_lb_n3.pcap",
+                            packets / "ouster/OS-1-128_v2.3.0_1024x10.json");
 }
 
 TEST(Containers, PassOverScansWithoutReadingThem) {

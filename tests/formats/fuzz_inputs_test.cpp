@@ -20,6 +20,7 @@ void fuzz_g2o(std::span<const std::byte> input);
 void fuzz_lvx(std::span<const std::byte> input);
 void fuzz_mcap(std::span<const std::byte> input);
 void fuzz_other_clouds(std::span<const std::byte> input);
+void fuzz_pack(std::span<const std::byte> input);
 void fuzz_pcd(std::span<const std::byte> input);
 void fuzz_ply(std::span<const std::byte> input);
 void fuzz_rosbag(std::span<const std::byte> input);
@@ -41,6 +42,7 @@ TEST(FuzzInputs, AreReadOrRefused) {
       {"lvx", fuzz_lvx},
       {"mcap", fuzz_mcap},
       {"other_clouds", fuzz_other_clouds},
+      {"pack", fuzz_pack},
       {"pcd", fuzz_pcd},
       {"ply", fuzz_ply},
       {"rosbag", fuzz_rosbag},
