@@ -84,6 +84,17 @@ Scene the_scene(const std::vector<Scene>& scenes, const std::string& wanted, con
   throw input_error(root, "holds several scenes; choose one with --topic:" + list);
 }
 
+/// The library converts any number to any other.
+std::int64_t microseconds_in(const json& row) {
+  constexpr std::int64_t latest = 4'000'000'000'000'000;
+  const json& stamp = row.at("timestamp");
+  if (stamp.is_number_integer()) {
+    const auto us = stamp.get<std::int64_t>();
+    if (us >= 0 && us < latest) return us;
+  }
+  throw json::other_error::create(501, "a timestamp is no whole number of microseconds", &row);
+}
+
 /// The LiDAR's files of a scene, sweeps between the samples included.
 std::vector<ScanFile> scans_of(const fs::path& root, const fs::path& folder, const Scene& scene) {
   std::map<std::string, Row> rows;
@@ -91,8 +102,7 @@ std::vector<ScanFile> scans_of(const fs::path& root, const fs::path& folder, con
   for_each_row(folder / "sample_data.json", [&](const json& row) {
     const std::string file = row.at("filename");
     if (file.find("LIDAR_TOP") == std::string::npos) return;
-    const std::int64_t us = row.at("timestamp");
-    rows[row.at("token")] = {row.at("next"), file, us * 1000};
+    rows[row.at("token")] = {row.at("next"), file, 1000 * microseconds_in(row)};
     if (row.at("sample_token") == scene.first_sample && row.at("is_key_frame"))
       token = row.at("token");
   });

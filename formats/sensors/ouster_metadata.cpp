@@ -48,6 +48,10 @@ class Reader {
   std::optional<T> value(const char* key) const {
     const json* found = find(root_, key);
     if (found == nullptr || found->is_null()) return std::nullopt;
+    // The library converts any number to any other.
+    if constexpr (std::is_integral_v<T>) {
+      if (!found->is_number_integer()) refuse(key, "is not a whole number");
+    }
     try {
       return found->get<T>();
     } catch (const json::exception&) {

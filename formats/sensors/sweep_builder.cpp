@@ -86,6 +86,11 @@ void SweepBuilder::begin_sweep(std::int64_t time_ns, std::int64_t host_ns) {
 }
 
 void SweepBuilder::add(const Eigen::Vector3f& point, float intensity, std::int64_t time_ns) {
+  // Units and corrections come with the packets and their calibration: any number may.
+  if (!point.allFinite() || point.isZero(0.0F) || point.norm() > max_plausible_range) {
+    ++(point.allFinite() ? scan_.dropped.implausible : scan_.dropped.non_finite);
+    return;
+  }
   scan_.points.push_back(point);
   scan_.intensities.push_back(intensity);
   times_ns_.push_back(time_ns);

@@ -31,7 +31,7 @@ class SweepBuilder {
   /// sensor's clock, in a packet received at `host_ns`.
   void begin_column(double azimuth_deg, std::int64_t time_ns, std::int64_t host_ns);
 
-  /// A return at `time_ns` by the sensor's clock.
+  /// A return at `time_ns` by the sensor's clock. One that cannot be is dropped and counted.
   void add(const Eigen::Vector3f& point, float intensity, std::int64_t time_ns);
 
   /// What was begun becomes a sweep, unless it has no points.

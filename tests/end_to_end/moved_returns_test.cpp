@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kissmap/cloud/voxel.hpp"
+#include "kissmap/formats/session.hpp"
 #include "simulator/scenario.hpp"
 
 namespace kissmap {
@@ -25,6 +26,14 @@ struct TrueScan {
   PlacedScan placed;
   std::vector<ObjectClass> classes;
 };
+
+/// A scan where a session has it.
+TrueScan session_scan(const Simulator& simulator, const Session& session, std::size_t place) {
+  const SessionScan& scan = session.scans[place];
+  simulator::LabelledScan labelled = simulator.labelled_scan(scan.log_index);
+  const MappedScan* before = place == 0 ? nullptr : &session.scans[place - 1].mapped;
+  return {place_scan(labelled.scan, before, scan.mapped, 0.0, 1e6), std::move(labelled.classes)};
+}
 
 TrueScan true_scan(const Simulator& simulator, std::size_t scan_idx) {
   simulator::LabelledScan labelled = simulator.labelled_scan(scan_idx);
@@ -96,13 +105,15 @@ class MoverTrial {
   MoverTrial(const simulator::Scenario& scenario,
              std::size_t first,
              std::size_t every,
-             std::size_t count)
+             std::size_t count,
+             const std::filesystem::path& session = {})
       : simulator_(make_simulator(scenario)) {
+    if (!session.empty()) session_ = read_session(session);
     for (std::size_t i = first; i < simulator_.scan_count() && scans_.size() < count; i += every) {
       scans_.push_back(i);
     }
-    for (const std::size_t i : scans_) gather(true_scan(simulator_, i));
-    for (const std::size_t i : scans_) cast(true_scan(simulator_, i));
+    for (const std::size_t i : scans_) gather(scan_at(i));
+    for (const std::size_t i : scans_) cast(scan_at(i));
     found_.decide(pool_);
   }
 
@@ -131,6 +142,10 @@ class MoverTrial {
   }
 
  private:
+  TrueScan scan_at(std::size_t i) const {
+    return session_ ? session_scan(simulator_, *session_, i) : true_scan(simulator_, i);
+  }
+
   void gather(const TrueScan& scan) {
     found_.add_returns(scan.placed);
     for (std::size_t i = 0; i < scan.classes.size(); ++i) {
@@ -194,6 +209,7 @@ class MoverTrial {
   }
 
   Simulator simulator_;
+  std::optional<Session> session_;
   std::vector<std::size_t> scans_;
   ThreadPool pool_{0};
   MovedReturns found_;
@@ -208,7 +224,9 @@ TEST(MovedReturnsOfALog, PeopleInAnOffice) {
   scenario.motion = "robot";
   scenario.columns = 1024;
   scenario.movers = 20;
-  const MoverTrial trial(scenario, 1, 8, 500);
+  const char* env = std::getenv("MOVER_SESSION");
+  const char* every = std::getenv("MOVER_EVERY");
+  const MoverTrial trial(scenario, 1, every ? std::atoi(every) : 8, 4000, env ? env : "");
   trial.report();
   EXPECT_GE(trial.removed_movers(), 0.95);
   EXPECT_LE(trial.removed_static(), 0.005);
