@@ -189,7 +189,8 @@ class SqliteSource : public MessageSource {
     Statement first(database_.get(), "SELECT MIN(id) FROM messages");
     Statement last(database_.get(), "SELECT MAX(id) FROM messages");
     if (!first.step() || !last.step() || first.is_null(0)) return 0;
-    const double rows = static_cast<double>(last.integer(0)) - static_cast<double>(first.integer(0));
+    const double rows =
+        static_cast<double>(last.integer(0)) - static_cast<double>(first.integer(0));
     return static_cast<std::uint64_t>(std::clamp(rows + 1.0, 0.0, 1e12));
   }
 

@@ -10,7 +10,18 @@
 
 namespace kissmap {
 
-enum class PoseLayout { tum, kitti, euroc, mulran, boreas, nclt, newer_college, spires, apollo, positions };
+enum class PoseLayout {
+  tum,
+  kitti,
+  euroc,
+  mulran,
+  boreas,
+  nclt,
+  newer_college,
+  spires,
+  apollo,
+  positions
+};
 
 /// What the first line with numbers looks like; nothing if like none of them.
 std::optional<PoseLayout> layout_of(std::string_view line);

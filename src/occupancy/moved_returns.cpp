@@ -2,6 +2,9 @@
 #include "kissmap/occupancy/moved_returns.hpp"
 
 #include <atomic>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "kissmap/occupancy/grazing_margin.hpp"
 #include "occupancy/scan_rays.hpp"
@@ -20,6 +23,7 @@ class MovedReturns::Impl {
         sightings_(
             (require_between("voxel size", options.voxel_size, 0.01, 10.0), options.voxel_size)) {
     require_between("passages per hit", options.passages_per_hit, 0.0, 1000.0);
+    require_between("seconds together", options.seconds_together, 0.0, 60.0);
   }
 
   void add_returns(const PlacedScan& scan) {
@@ -31,10 +35,17 @@ class MovedReturns::Impl {
     settled_ = true;
     occupancy::ScanRays rays = occupancy::rays_of(scan, scan.map_from_lidar, 0.0);
     rays.margins = grazing_margins(rays.view(), sightings_.geometry().voxel_size, grazing, pool);
-    sightings_.add_rays(rays.view(), pool);
+    const double seconds =
+        1e-9 * (static_cast<double>(scan.pose_stamp_ns) - static_cast<double>(batch_begin_ns_));
+    if (std::abs(seconds) > options_.seconds_together || batch_.size() >= most_together) {
+      cast_batch(pool);
+    }
+    if (batch_.empty()) batch_begin_ns_ = scan.pose_stamp_ns;
+    batch_.push_back(std::move(rays));
   }
 
   void decide(ThreadPool& pool) {
+    cast_batch(pool);
     std::atomic<std::size_t> all = 0;
     std::atomic<std::size_t> moved = 0;
     sightings_.for_each(pool, [&](const Voxel& voxel, Sighting& sighting) {
@@ -58,6 +69,15 @@ class MovedReturns::Impl {
  private:
   static constexpr GrazingOptions grazing{0.1, 0.03};
 
+  static constexpr std::size_t most_together = 100;
+
+  void cast_batch(ThreadPool& pool) {
+    std::vector<RayScan> views;
+    for (const occupancy::ScanRays& rays : batch_) views.push_back(rays.view());
+    sightings_.add_rays(views, pool);
+    batch_.clear();
+  }
+
   bool is_passed_around(const Voxel& voxel) const {
     double hits = 0.0;
     double passages = 0.0;
@@ -76,6 +96,8 @@ class MovedReturns::Impl {
 
   MovedReturnsOptions options_;
   Sightings sightings_;
+  std::vector<occupancy::ScanRays> batch_;  ///< scans that are cast together
+  std::int64_t batch_begin_ns_ = 0;
   bool settled_ = false;
   std::size_t voxels_ = 0;
   std::size_t moved_voxels_ = 0;

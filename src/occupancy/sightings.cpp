@@ -48,6 +48,53 @@ void add_return(const Eigen::Vector3f& place, const Eigen::Vector3f& ray, Sighti
   sighting.mean += off / n;
 }
 
+/// The hits in a tile and in those around it at its height.
+class HitsAround {
+ public:
+  HitsAround(const Voxel& tile, const HitMasks& hits) {
+    for (std::int32_t y = -1; y <= 1; ++y) {
+      for (std::int32_t x = -1; x <= 1; ++x) {
+        const auto found = hits.find(voxel_key({tile.x + x, tile.y + y, tile.z}));
+        if (found != hits.end()) at(x, y) = &found->second;
+      }
+    }
+  }
+
+  /// Takes the voxels that were hit out of `open`, and those beside them: a thing that a pose a
+  /// little off puts into the next voxel has not gone from this one.
+  void leave_out(TileMask& open) const {
+    for (std::int32_t z = 0; z < tile_side; ++z) {
+      std::uint64_t before = widened(-1, z);
+      std::uint64_t here = widened(0, z);
+      for (std::int32_t y = 0; y < tile_side; ++y) {
+        const std::uint64_t after = widened(y + 1, z);
+        open[static_cast<std::size_t>(z * tile_side + y)] &= ~(before | here | after);
+        before = here;
+        here = after;
+      }
+    }
+  }
+
+ private:
+  const TileMask*& at(std::int32_t x, std::int32_t y) {
+    return masks_[static_cast<std::size_t>(3 * (y + 1) + x + 1)];
+  }
+
+  /// Hits of a row, and those beside them in x. Row -1 is the last of the tile before.
+  std::uint64_t widened(std::int32_t y, std::int32_t z) const {
+    const auto column = static_cast<std::size_t>(y < 0 ? 0 : y < tile_side ? 3 : 6);
+    const auto row = static_cast<std::size_t>(z * tile_side + (y + tile_side) % tile_side);
+    const auto hits = [&](std::size_t x) {
+      const TileMask* mask = masks_[column + x];
+      return mask == nullptr ? std::uint64_t{0} : (*mask)[row];
+    };
+    const std::uint64_t here = hits(1);
+    return here | here << 1U | here >> 1U | hits(0) >> 63U | hits(2) << 63U;
+  }
+
+  std::array<const TileMask*, 9> masks_{};
+};
+
 }  // namespace
 
 std::size_t Sightings::Block::rank(std::size_t row, std::uint64_t bit) const {
@@ -201,15 +248,14 @@ void Sightings::count(VoxelKey key,
                       const TileWork& work,
                       std::span<const RayTrack> tracks,
                       const RayScan& scan,
+                      const HitMasks& hits_together,
                       Tile& tile) const {
   TileMask hits{};
   work.mark_hits(hits);
-  TileMask open = tile.mask();  // not hit
-  for (std::size_t row = 0; row < open.size(); ++row) {
-    hits[row] &= open[row];
-    open[row] &= ~hits[row];
-  }
+  TileMask open = tile.mask();
+  for (std::size_t row = 0; row < open.size(); ++row) hits[row] &= open[row];
   const Voxel number = voxel_from_key(key);
+  HitsAround(number, hits_together).leave_out(open);
   const Voxel first{number.x * tile_side, number.y * tile_side, number.z * tile_side};
   const TileMask passed = passages(first, work, tracks, scan, tile, open);
   for (std::size_t row = 0; row < open.size(); ++row) {
@@ -222,19 +268,40 @@ void Sightings::count(VoxelKey key,
   }
 }
 
-void Sightings::add_rays(const RayScan& scan, ThreadPool& pool) {
-  caster_.cast(
-      scan, {}, pool, [&](std::span<const TileWork> work, std::span<const RayTrack> tracks) {
-        std::vector<std::pair<const TileWork*, Tile*>> known;
-        for (const TileWork& tile : work) {
-          const auto found = tiles_.find(tile.tile);
-          if (found != tiles_.end()) known.emplace_back(&tile, found->second.get());
-        }
-        pool.for_each_chunk(known.size(), [&](std::size_t i) {
-          const auto& [of_tile, tile] = known[i];
-          count(of_tile->tile, *of_tile, tracks, scan, *tile);
+HitMasks Sightings::hits_of(std::span<const RayScan> scans) const {
+  HitMasks hits;
+  VoxelKey last = no_voxel;
+  TileMask* mask = nullptr;
+  for (const RayScan& scan : scans) {
+    for (const Eigen::Vector3f& end : scan.ends) {
+      const auto voxel = voxel_at(geometry_, scan.offset + end.cast<double>());
+      if (!voxel) continue;
+      const VoxelKey tile = voxel_key(tile_of(*voxel));
+      if (tile != last) mask = &hits[tile];
+      last = tile;
+      (*mask)[row_of(inside_tile(voxel->y), inside_tile(voxel->z))] |= std::uint64_t{1}
+                                                                       << inside_tile(voxel->x);
+    }
+  }
+  return hits;
+}
+
+void Sightings::add_rays(std::span<const RayScan> together, ThreadPool& pool) {
+  const HitMasks hits = hits_of(together);
+  for (const RayScan& scan : together) {
+    caster_.cast(
+        scan, {}, pool, [&](std::span<const TileWork> work, std::span<const RayTrack> tracks) {
+          std::vector<std::pair<const TileWork*, Tile*>> known;
+          for (const TileWork& tile : work) {
+            const auto found = tiles_.find(tile.tile);
+            if (found != tiles_.end()) known.emplace_back(&tile, found->second.get());
+          }
+          pool.for_each_chunk(known.size(), [&](std::size_t i) {
+            const auto& [of_tile, tile] = known[i];
+            count(of_tile->tile, *of_tile, tracks, scan, hits, *tile);
+          });
         });
-      });
+  }
 }
 
 const Sighting* Sightings::at(const Voxel& voxel) const {

@@ -23,9 +23,12 @@ struct Sighting {
   std::array<float, 6> shape{};
   std::uint32_t returns = 0;
   std::uint16_t hits = 0;      ///< scans with a return in it
-  std::uint16_t passages = 0;  ///< other scans of which a ray passed through its returns
+  std::uint16_t passages = 0;  ///< others of which a ray passed through them, see add_rays()
   bool moved = false;
 };
+
+/// Voxels that were hit, by tile.
+using HitMasks = std::unordered_map<VoxelKey, TileMask>;
 
 /// Sightings of all voxels with a return; see MovedReturns. First all returns are added, then
 /// settle() is called, then all rays are added.
@@ -35,7 +38,9 @@ class Sightings {
 
   void add_returns(const RayScan& scan);
   void settle(ThreadPool& pool);
-  void add_rays(const RayScan& scan, ThreadPool& pool);
+  /// Scans of a short time. Where one of them hit a voxel or that beside it in x or y, a passage of
+  /// another one does not count: what stands is often missed between two hits.
+  void add_rays(std::span<const RayScan> together, ThreadPool& pool);
 
   const Sighting* at(const Voxel& voxel) const;  ///< null where there was no return
   const OccupancyGeometry& geometry() const { return geometry_; }
@@ -60,6 +65,7 @@ class Sightings {
     Sighting& at(const Eigen::Vector3i& voxel);  ///< with a return, counted from the first
   };
 
+  HitMasks hits_of(std::span<const RayScan> scans) const;
   static Place place_of(const Voxel& voxel);
   Sighting& sighting_at(const Voxel& voxel);
   /// Voxels of `open` through whose returns a ray passed.
@@ -73,6 +79,7 @@ class Sightings {
              const TileWork& work,
              std::span<const RayTrack> tracks,
              const RayScan& scan,
+             const HitMasks& hits_together,
              Tile& tile) const;
   Eigen::Matrix3f prior_at(const Voxel& voxel, const Sighting& sighting) const;
   bool passes_through(const Sighting& sighting,

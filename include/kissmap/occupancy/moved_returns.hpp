@@ -14,7 +14,8 @@ struct MovedReturnsOptions {
   double voxel_size = 0.1;  ///< m
   /// A voxel holds what moved if more than this number of passages comes on each hit, in it and its
   /// 26 neighbours together.
-  double passages_per_hit = 1.3;
+  double passages_per_hit = 1.0;
+  double seconds_together = 0.5;  ///< that scans with and without a return may be apart
 };
 
 /// Tells the returns of what moved from those of what stands, by the rays of other scans that
@@ -25,11 +26,14 @@ struct MovedReturnsOptions {
 /// returns if it comes within 1.3 standard deviations of their mean, where the covariance is that
 /// of the returns across the rays that brought them, with a prior of 0.05 m worth 0.7 returns: so a
 /// ray beside a pole or past the edge of a desk, in the same voxel, is none, and nor is one that
-/// ends on a floor it grazes (grazing_margins()). What moves is passed by many rays before it comes
-/// and after it is gone, all over; what is thin, by some rays between those that hit it.
+/// ends on a floor it grazes (grazing_margins()). Nor does one count that comes within half a
+/// second of a return there, or in the voxel beside it in x or y: what is thin is missed between
+/// two hits, and poses that are a little off put it here now and there then. What moves is passed
+/// by many rays before it comes and after it is gone.
 ///
-/// Give all scans to add_returns(), then all to add_rays(), then decide(). Memory: about 70 bytes a
-/// voxel with a return, and 1 kB for each 64^3 voxels. Same for any number of threads. Reading is
+/// Give all scans to add_returns(), then all to add_rays(), both in their order, then decide().
+/// Memory: about 70 bytes a voxel with a return, 1 kB for each 64^3 voxels, and the rays of
+/// `seconds_together`. Same for any number of threads. Reading is
 /// thread safe.
 class MovedReturns {
  public:

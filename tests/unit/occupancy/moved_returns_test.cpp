@@ -34,6 +34,7 @@ Eigen::Vector3d end_of(const Eigen::Vector3d& start,
 
 PlacedScan scan_of(int scan_idx, bool with_box) {
   PlacedScan scan;
+  scan.pose_stamp_ns = scan_idx * std::int64_t{100'000'000};
   scan.map_from_lidar.translation = {0.01 * scan_idx, 0.037 * std::sin(1.7 * scan_idx), 0.02};
   for (int column = -100; column <= 100; ++column) {
     for (int ring = -20; ring <= 20; ++ring) {
