@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t most_open_chunks = 8;
 
 /// Whatever is read of a chunk's index costs the pages it lies in.
-constexpr std::uint64_t index_pages_bytes = 2 * 4096;
+constexpr std::uint64_t index_pages_bytes = 8192;
 
 }  // namespace
 

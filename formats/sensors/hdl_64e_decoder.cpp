@@ -48,7 +48,8 @@ constexpr Pace s3{"Velodyne HDL-64E S3", 57.6, 7.2, {0.0, 1.3, 2.5, 3.7}};
 constexpr Pace s1{"Velodyne HDL-64E S1", 48.0, 6.0, {0.0, 1.26, 2.46, 3.66}};
 
 double shot_us(const Pace& pace, std::size_t shot) {
-  return static_cast<double>(shot / 4) * pace.four_us + pace.in_four_us[shot % 4];
+  const std::size_t fours = shot / 4;
+  return static_cast<double>(fours) * pace.four_us + pace.in_four_us[shot % 4];
 }
 
 double square(double value) {
@@ -132,9 +133,9 @@ const Pace* Hdl64eDecoder::pace_between(const PacketBytes& first, const PacketBy
   const std::int64_t now_us = velodyne_us_past_hour(second);
   if (before_us >= hour_us || now_us >= hour_us) return nullptr;
   const auto passed_us = static_cast<double>((now_us - before_us + hour_us) % hour_us);
-  const double columns = static_cast<double>(blocks / banks) / (is_dual(first) ? 2.0 : 1.0);
+  const std::size_t columns = blocks / (is_dual(first) ? 2 * banks : banks);
   for (const Pace* pace : {&s2, &s3}) {
-    const double expected_us = columns * pace->column_us;
+    const double expected_us = static_cast<double>(columns) * pace->column_us;
     if (std::abs(passed_us - expected_us) < most_off_pace * expected_us + 1.0) return pace;
   }
   return nullptr;
@@ -158,7 +159,8 @@ void Hdl64eDecoder::decode(const PacketBytes& packet, std::int64_t host_ns) {
   const std::size_t per_column = dual ? 2 * banks : banks;
   measure_rate(packet, per_column);
   for (std::size_t block = 0; block < blocks; ++block) {
-    const double column_us = static_cast<double>(block / per_column) * pace_->column_us;
+    const std::size_t column = block / per_column;
+    const double column_us = static_cast<double>(column) * pace_->column_us;
     const std::int64_t column_ns = packet_ns + std::llround(column_us * ns_per_us);
     if (block % per_column == 0) {
       sweep_.begin_column(velodyne_azimuth_steps(packet, block) * deg_per_step, column_ns, host_ns);
@@ -173,7 +175,8 @@ void Hdl64eDecoder::measure_rate(const PacketBytes& packet, std::size_t per_colu
   const int steps = velodyne_azimuth_steps(packet, last) - velodyne_azimuth_steps(packet, 0);
   const double turned_deg =
       ((steps + velodyne_steps_per_turn) % velodyne_steps_per_turn) * deg_per_step;
-  const double rate = turned_deg / (static_cast<double>(last / per_column) * pace_->column_us);
+  const std::size_t columns = last / per_column;
+  const double rate = turned_deg / (static_cast<double>(columns) * pace_->column_us);
   if (rate > slowest_deg_per_us && rate < fastest_deg_per_us) deg_per_us_ = rate;
 }
 

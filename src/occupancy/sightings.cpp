@@ -68,7 +68,7 @@ class HitsAround {
       std::uint64_t here = widened(0, z);
       for (std::int32_t y = 0; y < tile_side; ++y) {
         const std::uint64_t after = widened(y + 1, z);
-        open[static_cast<std::size_t>(z * tile_side + y)] &= ~(before | here | after);
+        open[row_of(y, z)] &= ~(before | here | after);
         before = here;
         here = after;
       }
@@ -77,13 +77,14 @@ class HitsAround {
 
  private:
   const TileMask*& at(std::int32_t x, std::int32_t y) {
-    return masks_[static_cast<std::size_t>(3 * (y + 1) + x + 1)];
+    const std::int32_t place = 3 * (y + 1) + x + 1;
+    return masks_[static_cast<std::size_t>(place)];
   }
 
   /// Hits of a row, and those beside them in x. Row -1 is the last of the tile before.
   std::uint64_t widened(std::int32_t y, std::int32_t z) const {
-    const auto column = static_cast<std::size_t>(y < 0 ? 0 : y < tile_side ? 3 : 6);
-    const auto row = static_cast<std::size_t>(z * tile_side + (y + tile_side) % tile_side);
+    const std::size_t column = y < 0 ? 0 : y < tile_side ? 3 : 6;
+    const std::uint32_t row = row_of(inside_tile(y), z);
     const auto hits = [&](std::size_t x) {
       const TileMask* mask = masks_[column + x];
       return mask == nullptr ? std::uint64_t{0} : (*mask)[row];

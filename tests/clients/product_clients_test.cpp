@@ -88,6 +88,7 @@ void expect_open3d_reads(const fs::path& file, const std::vector<std::string>& c
 
 TEST_F(ProductClients, Open3dReadsClouds) {
   const ProgramResult import = python({"-c", "import open3d"});
+  ASSERT_NE(import.exit_code, 127) << "no " KISSMAP_TEST_PYTHON;
   if (import.exit_code != 0) {
     GTEST_SKIP() << "needs Open3D (package python3-open3d), which could not be loaded: exit code "
                  << import.exit_code << ", " << import.err;

@@ -158,6 +158,7 @@ class RosBags : public testing::TestWithParam<const char*> {
 TEST_P(RosBags, OfRos1GiveTheMapOfTheFolder) {
   const ProgramResult import =
       run_program({KISSMAP_TEST_PYTHON, "-I", "-c", "import rosbag, nav_msgs.msg"});
+  ASSERT_NE(import.exit_code, 127) << "no " KISSMAP_TEST_PYTHON;
   if (import.exit_code != 0) {
     GTEST_SKIP() << "needs rosbag (package python3-rosbag), which could not be loaded: "
                  << import.err;
@@ -207,6 +208,7 @@ TEST(Ros1Bags, OfEveryCompressionReadInParts) {
   if (recordings().empty()) GTEST_SKIP() << "needs the recordings";
   const ProgramResult import =
       run_program({KISSMAP_TEST_PYTHON, "-I", "-c", "import rosbag, nav_msgs.msg"});
+  ASSERT_NE(import.exit_code, 127) << "no " KISSMAP_TEST_PYTHON;
   if (import.exit_code != 0) {
     GTEST_SKIP() << "needs rosbag (package python3-rosbag), which could not be loaded: "
                  << import.err;
