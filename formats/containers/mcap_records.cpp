@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "formats/containers/mcap_records.hpp"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <limits>
@@ -23,24 +23,44 @@ MessageEncoding encoding_named(std::string_view name) {
   return MessageEncoding::other;
 }
 
-/// The records inside of a chunk record. `content` may be cut.
-void unpack_chunk(Bytes content, std::vector<std::byte>& out) {
-  ByteCursor cursor(content);
-  cursor.take(16);  // times
-  const auto size = cursor.value<std::uint64_t>();
-  const auto checksum = cursor.value<std::uint32_t>();
-  const Compression compression = compression_named(cursor.text32());
-  const auto packed_size = cursor.value<std::uint64_t>();
-  const bool cut = packed_size > cursor.left();
-  const Bytes packed = cursor.take(std::min<std::uint64_t>(packed_size, cursor.left()));
-  if (cut && compression == Compression::none) {
-    out.assign(packed.begin(), packed.end());
-  } else {
-    unpack(compression, packed, size, out);
+// Beyond it no name of a compression reaches.
+constexpr std::uint64_t most_head_bytes = 256;
+
+/// What a chunk record says before its records.
+struct ChunkHead {
+  std::uint64_t bytes = 0;  ///< from the start of the record to the records in it
+  std::uint64_t there = 0;  ///< of packed_size; fewer where the record is cut
+  std::uint64_t packed_size = 0;
+  std::uint64_t size = 0;
+  std::uint32_t checksum = 0;  ///< 0: none
+  Compression compression = Compression::none;
+};
+
+ChunkHead read_chunk_head(const ContainerFile& file,
+                          const Chunk& chunk,
+                          std::vector<std::byte>& buffer) {
+  ByteCursor cursor(file.read(chunk.offset, std::min(chunk.size, most_head_bytes), buffer));
+  if (cursor.value<std::uint8_t>() != chunk_record) {
+    throw Refusal(refusal_reason::broken_content, "no chunk begins here");
   }
-  if (cut) throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
-  const auto* bytes = reinterpret_cast<const Bytef*>(out.data());
-  if (checksum != 0 && crc32_z(0, bytes, out.size()) != checksum) {
+  const auto length = std::min(cursor.value<std::uint64_t>(), chunk.size);
+  cursor.take(16);  // times
+  ChunkHead head;
+  head.size = cursor.value<std::uint64_t>();
+  head.checksum = cursor.value<std::uint32_t>();
+  head.compression = compression_named(cursor.text32());
+  head.packed_size = cursor.value<std::uint64_t>();
+  head.bytes = cursor.position();
+  const std::uint64_t end = std::min(record_head + length, chunk.size);
+  head.there = std::min(head.packed_size, end - std::min(end, head.bytes));
+  if (head.there > max_unpacked_bytes) {
+    throw Refusal(refusal_reason::too_large, "a chunk of " + std::to_string(head.there) + " bytes");
+  }
+  return head;
+}
+
+void require_checksum(std::uint32_t checksum, Bytes records) {
+  if (checksum != 0 && libdeflate_crc32(0, records.data(), records.size()) != checksum) {
     throw Refusal(refusal_reason::broken_content, "its check sum fails");
   }
 }
@@ -115,13 +135,29 @@ void load_chunk(const ContainerFile& file,
     out.resize(there.size());
     return;
   }
-  const Bytes record = file.read(chunk.offset, chunk.size, buffer);
-  ByteCursor head(record);
-  if (head.value<std::uint8_t>() != chunk_record) {
-    throw Refusal(refusal_reason::broken_content, "no chunk begins here");
+  ChunkHead head;
+  try {
+    head = read_chunk_head(file, chunk, buffer);
+  } catch (const Refusal&) {
+    out.clear();  // of the chunk before
+    throw;
   }
-  const auto size = head.value<std::uint64_t>();
-  unpack_chunk(head.take(std::min<std::uint64_t>(size, head.left())), out);
+  const std::uint64_t offset = chunk.offset + head.bytes;
+  const bool packed = head.compression != Compression::none;
+  // What is not packed is read to where it stays.
+  const Bytes there = file.read(offset, head.there, packed ? buffer : out);
+  const bool cut = there.size() < head.packed_size;
+  if (packed) {
+    unpack(head.compression, there, head.size, out);
+  } else {
+    out.resize(there.size());
+  }
+  if (cut) throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
+  if (out.size() != head.size) {
+    throw Refusal(refusal_reason::wrong_size,
+                  std::to_string(out.size()) + " bytes instead of " + std::to_string(head.size));
+  }
+  require_checksum(head.checksum, out);
 }
 
 }  // namespace kissmap::mcap

@@ -92,23 +92,50 @@ RecordPlace locate_record(const ContainerFile& file,
   return {offset + 8 + header_size, data_size};
 }
 
+namespace {
+
+/// What a chunk record says before its records.
+struct ChunkHead {
+  RecordPlace place;
+  Compression compression = Compression::none;
+  std::uint64_t size = 0;
+};
+
+ChunkHead read_chunk_head(const ContainerFile& file,
+                          std::uint64_t offset,
+                          std::vector<std::byte>& buffer) {
+  Bytes header_bytes;
+  const RecordPlace place = locate_record(file, offset, buffer, header_bytes);
+  const RecordHeader header(header_bytes);
+  return {
+      place, compression_named(header.text("compression")), header.number<std::uint32_t>("size")};
+}
+
+}  // namespace
+
 void load_chunk(const ContainerFile& file,
                 std::uint64_t offset,
                 std::vector<std::byte>& buffer,
                 std::vector<std::byte>& out) {
-  Bytes header_bytes;
-  const RecordPlace place = locate_record(file, offset, buffer, header_bytes);
-  const RecordHeader header(header_bytes);
-  const Compression compression = compression_named(header.text("compression"));
-  const std::uint64_t size = header.number<std::uint32_t>("size");
-  const bool whole = place.end() <= file.size();
-  if (compression == Compression::none) {
-    const Bytes there = file.read(place.data_offset, place.data_size, out);
-    out.resize(there.size());
-  } else {
-    unpack(compression, file.read(place.data_offset, place.data_size, buffer), size, out);
+  ChunkHead head;
+  try {
+    head = read_chunk_head(file, offset, buffer);
+  } catch (const Refusal&) {
+    out.clear();  // of the chunk before
+    throw;
   }
-  if (!whole) throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
+  const RecordPlace& place = head.place;
+  const bool packed = head.compression != Compression::none;
+  // What is not packed is read to where it stays.
+  const Bytes there = file.read(place.data_offset, place.data_size, packed ? buffer : out);
+  if (packed) {
+    unpack(head.compression, there, head.size, out);
+  } else {
+    out.resize(there.size());
+  }
+  if (place.end() > file.size()) {
+    throw Refusal(refusal_reason::truncated, "the file ends inside of this chunk");
+  }
 }
 
 }  // namespace kissmap::ros1

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "formats/clouds/refusal.hpp"
@@ -17,18 +18,29 @@ namespace {
 // How much `out` grows at a time, at least: a number in the file alone allocates no more.
 constexpr std::size_t growth = std::size_t{1} << 20;
 
+// Clouds shrink to a half or a tenth; an announced size within this of what is packed is believed.
+constexpr std::uint64_t plausible_ratio = 64;
+
 [[noreturn]] void broken(const char* kind, const char* why) {
   throw Refusal(refusal_reason::broken_content, std::string(kind) + " data broken: " + why);
 }
 
-/// Room for more bytes behind what `out` holds; never more than `most` in all, nor than
-/// twice what was there plus a step.
+/// Room for more bytes behind the `used` ones of `out`; never for more than `most` in all, nor
+/// for more than twice what was used plus a step.
 std::span<std::byte> room_in(std::vector<std::byte>& out, std::size_t used, std::uint64_t most) {
   if (used == out.size()) {
     const std::uint64_t wanted = std::max<std::uint64_t>(2 * used, used + growth);
     out.resize(static_cast<std::size_t>(std::min(most, wanted)));
   }
-  return std::span(out).subspan(used);
+  const auto end = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), most));
+  return std::span(out).first(end).subspan(used);
+}
+
+/// Room for all of `size` bytes and one more, where as many are plausible: decoders are fastest
+/// when they write to where the bytes stay.
+void make_plausible_room(std::vector<std::byte>& out, std::size_t packed, std::uint64_t size) {
+  if (size > max_unpacked_bytes || size > plausible_ratio * packed) return;
+  if (out.size() <= size) out.resize(static_cast<std::size_t>(size) + 1);
 }
 
 /// One step of a decoder: takes from `in`, fills `to`.
@@ -48,6 +60,7 @@ void unpack_stream(const char* kind,
                    Decode decode) {
   std::size_t used = 0;
   bool at_end = false;
+  if (exact) make_plausible_room(out, in.size(), size);
   const auto keep_what_came = [&] {
     out.resize(static_cast<std::size_t>(std::min<std::uint64_t>(used, size)));
   };
@@ -81,8 +94,11 @@ void unpack_lz4(std::span<const std::byte> packed,
   unpack_stream("LZ4", packed, size, true, out, [&](auto in, auto room) {
     std::size_t consumed = in.size();
     std::size_t produced = room.size();
+    // Where all has room nothing is moved, and the decoder may look back into it.
+    LZ4F_decompressOptions_t options{};
+    options.stableDst = room.size() > size ? 1 : 0;
     const std::size_t hint =
-        LZ4F_decompress(raw, room.data(), &produced, in.data(), &consumed, nullptr);
+        LZ4F_decompress(raw, room.data(), &produced, in.data(), &consumed, &options);
     if (LZ4F_isError(hint) != 0U) broken("LZ4", LZ4F_getErrorName(hint));
     return Step{consumed, produced, hint == 0};
   });
@@ -140,19 +156,14 @@ void unpack(Compression compression,
             std::span<const std::byte> packed,
             std::uint64_t size,
             std::vector<std::byte>& out) {
-  out.clear();
   if (size > max_unpacked_bytes) {
+    out.clear();
     throw Refusal(refusal_reason::too_large,
                   "unpacked it would have " + std::to_string(size) + " bytes");
   }
   switch (compression) {
     case Compression::none:
-      if (packed.size() != size) {
-        throw Refusal(refusal_reason::wrong_size,
-                      std::to_string(packed.size()) + " bytes instead of " + std::to_string(size));
-      }
-      out.assign(packed.begin(), packed.end());
-      return;
+      break;
     case Compression::lz4:
       unpack_lz4(packed, size, out);
       return;
@@ -163,11 +174,14 @@ void unpack(Compression compression,
       unpack_zstd(packed, size, true, out);
       return;
   }
+  throw std::logic_error("unpack of what is not packed");
 }
 
 void unpack_zstd_message(std::span<const std::byte> packed, std::vector<std::byte>& out) {
-  out.clear();
-  unpack_zstd(packed, max_unpacked_bytes, false, out);
+  // Beyond this are the marks of a frame that does not tell, or is none.
+  const std::uint64_t told = ZSTD_getFrameContentSize(packed.data(), packed.size());
+  const bool exact = told <= max_unpacked_bytes;
+  unpack_zstd(packed, exact ? told : max_unpacked_bytes, exact, out);
 }
 
 }  // namespace kissmap

@@ -16,8 +16,9 @@ enum class Compression : std::uint8_t { none, lz4, bz2, zstd };
 Compression compression_named(std::string_view name);
 
 /// Unpacks an LZ4 frame, a bzip2 stream or a zstd frame into `out`, whose memory is reused. `out`
-/// grows with what comes, never ahead of it, to at most `size` bytes. Throws Refusal when the
-/// stream is broken, or yields more or fewer bytes than `size`; `out` holds what came before.
+/// begins with room for `size` bytes where that is no more than 64 times what is packed; otherwise
+/// it grows with what comes. Throws Refusal when the stream is broken, or yields more or fewer
+/// bytes than `size`; `out` holds what came before. `compression` is not none.
 void unpack(Compression compression,
             std::span<const std::byte> packed,
             std::uint64_t size,

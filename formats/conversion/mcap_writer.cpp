@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "formats/conversion/mcap_writer.hpp"
 
-#include <zlib.h>
+#include <libdeflate.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -41,8 +41,7 @@ std::string record(mcap::Op op, std::string_view content) {
 }
 
 std::uint32_t checksum_of(std::uint32_t before, std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  return libdeflate_crc32(before, bytes.data(), bytes.size());
 }
 
 std::string packed(std::string_view bytes, const std::filesystem::path& path) {

@@ -11,12 +11,11 @@
 
 namespace kissmap {
 
-/// Reads every message of a container, which has to come to an end.
+/// Reads every message of the container that `open` opens, which has to come to an end.
 template <class Open>
-void read_container(std::span<const std::byte> input, Open open) {
-  const FuzzInputFile file(input);
+void read_messages(Open open) {
   try {
-    const auto source = open(file.path());
+    const auto source = open();
     std::set<std::size_t> all;
     for (std::size_t i = 0; i < source->topics().size(); ++i) all.insert(i);
     source->select(all);
@@ -31,6 +30,13 @@ void read_container(std::span<const std::byte> input, Open open) {
   } catch (const Error& error) {
     if (error.fault() != Fault::input) std::abort();
   }
+}
+
+/// The same of a container that is the input.
+template <class Open>
+void read_container(std::span<const std::byte> input, Open open) {
+  const FuzzInputFile file(input);
+  read_messages([&] { return open(file.path()); });
 }
 
 }  // namespace kissmap

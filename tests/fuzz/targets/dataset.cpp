@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: MIT
 // The first byte chooses a data set; the rest becomes a scan or a table in a folder of its layout.
-#include <unistd.h>
-
 #include <array>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <string>
 
 #include "formats/text/lines.hpp"
+#include "fuzz/folder.hpp"
 #include "fuzz/target.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/registry.hpp"
 
 namespace kissmap {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Where the bytes go, and what stands beside them.
 struct Layout {
@@ -48,23 +42,17 @@ constexpr std::array<Layout, 15> layouts{{
     {"kitti", "sequences/00", "sequences/00/calib.txt", "sequences/00/velodyne/000000.bin", ""},
 }};
 
-/// In memory where there is such a folder; written once, but for the input.
-const fs::path& root() {
-  static const fs::path path = [] {
-    std::string name =
-        fs::exists("/dev/shm") ? "/dev/shm/kissmap_fuzz_XXXXXX" : "/tmp/kissmap_fuzz_XXXXXX";
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    static const std::string made = name;
-    std::atexit([] { fs::remove_all(made); });
+const FuzzFolder& folder() {
+  static const FuzzFolder made;
+  static const bool written = [] {
     for (const Layout& layout : layouts) {
-      for (const char* file : {layout.file, layout.beside}) {
-        fs::create_directories((fs::path(made) / file).parent_path());
-      }
-      std::ofstream(fs::path(made) / layout.beside) << layout.beside_content;
+      made.write(layout.file, "");
+      made.write(layout.beside, layout.beside_content);
     }
-    return fs::path(made);
+    return true;
   }();
-  return path;
+  if (!written) std::abort();
+  return made;
 }
 
 }  // namespace
@@ -73,9 +61,9 @@ const fs::path& root() {
 KISSMAP_FUZZ_TARGET(dataset) {
   if (input.empty()) return;
   const Layout& layout = layouts[std::to_integer<std::size_t>(input[0]) % layouts.size()];
-  std::ofstream(root() / layout.file, std::ios::binary) << text_of(input.subspan(1));
+  folder().write(layout.file, text_of(input.subspan(1)));
   try {
-    const auto log = open_log(root() / layout.log, {}, layout.format);
+    const auto log = open_log(folder().path() / layout.log, {}, layout.format);
     while (const auto entry = log->next()) {
       if (const auto* scan = std::get_if<Scan>(&entry->content)) require_consistent(*scan);
     }

@@ -4,6 +4,6 @@
 #include "fuzz/container.hpp"
 #include "fuzz/target.hpp"
 
-KISSMAP_FUZZ_TARGET(mcap) {
+KISSMAP_FUZZ_TARGET_WITHIN(mcap, kissmap::fuzz_mebibytes_of_zstd) {
   read_container(input, open_mcap);
 }
