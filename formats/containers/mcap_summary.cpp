@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <utility>
+
+#include "formats/containers/file_window.hpp"
 #include "formats/containers/mcap_records.hpp"
 #include "formats/text/lines.hpp"
 
@@ -6,6 +10,10 @@ namespace kissmap::mcap {
 namespace {
 
 constexpr std::uint64_t footer_size = 20;
+constexpr std::uint64_t most_record_bytes = 16 << 20;  // a schema has some kB
+// Records that never stand in a summary, and mean nothing here elsewhere.
+constexpr std::uint8_t attachment = 0x09;
+constexpr std::uint8_t metadata = 0x0C;
 
 void add_chunk_index(Bytes content, Opening& opening) {
   ByteCursor cursor(content);
@@ -43,18 +51,42 @@ void add_statistics(Bytes content, Opening& opening) {
   }
 }
 
-void read_summary(Bytes summary, Opening& opening) {
-  // Statistics count by channel, and may stand before the channels.
-  std::vector<Bytes> statistics_records;
-  ByteCursor cursor(summary);
-  while (cursor.left() > 0) {
-    const Record record = read_record(cursor);
-    if (record.op == schema) opening.channels.add_schema(record.content);
-    if (record.op == channel) opening.channels.add_channel(record.content, opening.index.topics);
-    if (record.op == chunk_index) add_chunk_index(record.content, opening);
-    if (record.op == statistics) statistics_records.push_back(record.content);
+/// A record's opcode and the length of its content. Throws Refusal for one that has no place in a
+/// summary: where its offset is wrong, what stands there may be as large as the file.
+std::pair<std::uint8_t, std::uint64_t> read_head(Bytes bytes, std::uint64_t left) {
+  ByteCursor head(bytes);
+  const auto op = head.value<std::uint8_t>();
+  const auto length = head.value<std::uint64_t>();
+  const bool of_data = op == 0 || op == header || op == footer || op == message_record ||
+                       op == chunk_record || op == message_index || op == attachment ||
+                       op == metadata || op == data_end;
+  if (of_data || length > left) {
+    throw Refusal(refusal_reason::broken_content, "no record of a summary begins here");
   }
-  for (const Bytes record : statistics_records) add_statistics(record, opening);
+  return {op, length};
+}
+
+void read_summary(Opening& opening, std::uint64_t offset, std::uint64_t end) {
+  FileWindow window(*opening.file);
+  // Statistics count by channel, and may stand before the channels.
+  std::vector<std::byte> about_all;
+  while (offset < end) {
+    const auto [op, length] = read_head(window.at(offset, std::min(record_head, end - offset)),
+                                        end - std::min(end, offset + record_head));
+    offset += record_head;
+    if (op == schema || op == channel || op == chunk_index || op == statistics) {
+      if (length > most_record_bytes) {
+        throw Refusal(refusal_reason::broken_content, "a record of the summary is too long");
+      }
+      const Bytes content = window.at(offset, length);
+      if (op == schema) opening.channels.add_schema(content);
+      if (op == channel) opening.channels.add_channel(content, opening.index.topics);
+      if (op == chunk_index) add_chunk_index(content, opening);
+      if (op == statistics) about_all.assign(content.begin(), content.end());
+    }
+    offset += length;
+  }
+  if (!about_all.empty()) add_statistics(about_all, opening);
 }
 
 }  // namespace
@@ -70,8 +102,7 @@ bool use_summary(Opening& opening) {
   ByteCursor fields(record.content);
   const auto start = fields.value<std::uint64_t>();
   if (start == 0 || start > footer_offset) return false;
-  std::vector<std::byte> summary;
-  read_summary(opening.file->read(start, footer_offset - start, summary), opening);
+  read_summary(opening, start, footer_offset);
   // Messages outside of chunks have no index: only looking finds them.
   return !opening.index.chunks.empty() ||
          (opening.index.time_range == std::nullopt && !opening.index.topics.empty() &&

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "formats/containers/file_window.hpp"
 #include "formats/containers/ros1_records.hpp"
 #include "formats/containers/unpack.hpp"
 #include "formats/text/lines.hpp"
@@ -15,6 +16,7 @@ namespace {
 using namespace ros1;
 
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
+constexpr std::uint64_t most_index_record_bytes = 16 << 20;  // a message's definition has some kB
 
 class Ros1ChunkReader : public ChunkReader {
  public:
@@ -101,14 +103,34 @@ void add_chunk_info(const Record& record, Opening& bag) {
   bag.index.chunks.push_back(std::move(chunk));
 }
 
+// The whole of a record of the index, and nothing of any other: where the place of the index is
+// wrong, what stands there may be as large as the file.
+Bytes index_record(FileWindow& window, std::uint64_t offset) {
+  const auto length_at = [&](std::uint64_t at) {
+    return std::uint64_t{ByteCursor(window.at(at, 4)).value<std::uint32_t>()};
+  };
+  const std::uint64_t header_size = length_at(offset);
+  if (header_size > most_index_record_bytes) {
+    throw Refusal(refusal_reason::broken_content, "no record of an index begins here");
+  }
+  const RecordHeader header(ByteCursor(window.at(offset + 4, header_size)).take(header_size));
+  const auto op = header.number<std::uint8_t>("op");
+  const std::uint64_t data_size = length_at(offset + 4 + header_size);
+  if ((op != connection && op != chunk_info) || data_size > most_index_record_bytes) {
+    throw Refusal(refusal_reason::broken_content, "no record of an index begins here");
+  }
+  return window.at(offset, 8 + header_size + data_size);
+}
+
 // Connections and chunk infos stand at the end, in this order.
-void read_index(Opening& bag, std::uint64_t index_offset, std::uint64_t chunk_count) {
-  std::vector<std::byte> buffer;
-  ByteCursor cursor(bag.file->read(index_offset, bag.file->size(), buffer));
-  while (cursor.left() > 0) {
+void read_index(Opening& bag, std::uint64_t offset, std::uint64_t chunk_count) {
+  FileWindow window(*bag.file);
+  while (offset < bag.file->size() && bag.index.chunks.size() <= chunk_count) {
+    ByteCursor cursor(index_record(window, offset));
     const Record record = read_record(cursor);
     if (record.op() == connection) bag.connections.add(record, bag.index.topics);
     if (record.op() == chunk_info) add_chunk_info(record, bag);
+    offset += cursor.position();
   }
   if (bag.index.chunks.size() != chunk_count) {
     throw Refusal(refusal_reason::truncated, "the index is not complete");
