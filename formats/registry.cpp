@@ -10,6 +10,7 @@
 #include "formats/files/input_file.hpp"
 #include "formats/logs/logs.hpp"
 #include "formats/session/pack_log.hpp"
+#include "formats/text/lower_case.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/session.hpp"
@@ -138,6 +139,10 @@ std::string foreign_kind(const std::filesystem::path& path) {
     if (kind_by_content(first_bytes(file, probe_size))) break;
   }
   const auto kind = kind_by_content(first_bytes(file, probe_size));
+  if (kind == "LAS file" && lower_case(file.extension().string()) == ".laz") {
+    return file.filename().string() +
+           " is a compressed LAS file; unpack all, for example with 'pdal translate'; ";
+  }
   return kind ? file.filename().string() + " is a " + *kind + "; " : "";
 }
 

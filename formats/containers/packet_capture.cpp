@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
+#include <cstdlib>
 
 #include "formats/clouds/gather.hpp"
 #include "formats/clouds/refusal.hpp"
@@ -14,8 +14,9 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-constexpr std::uint64_t window_bytes = 1 << 20;
 constexpr std::uint32_t most_block_bytes = 1 << 22;  // no frame and no block is larger
+constexpr std::uint32_t most_frame_bytes = 1 << 18;  // what capturing programs keep of one
+constexpr std::int64_t longest_capture_s = 10'000'000;
 constexpr std::uint32_t section_block = 0x0A0D0D0A;
 constexpr std::uint32_t byte_order_magic = 0x1A2B3C4D;
 constexpr std::int64_t ns_per_s = 1'000'000'000;
@@ -46,8 +47,8 @@ std::int64_t to_ns(std::uint64_t ticks, std::uint64_t ticks_per_s) {
 
 }  // namespace
 
-PacketCapture::PacketCapture(const std::filesystem::path& path) : file_(path) {
-  const Bytes head = bytes_at(0, 24);
+PacketCapture::PacketCapture(const std::filesystem::path& path) : file_(path), window_(file_) {
+  const Bytes head = window_.at(0, 24);
   if (head.size() < 24) {
     throw input_error(path,
                       file_.size() == 0 ? "has 0 bytes; copy it anew" : "is no packet capture");
@@ -70,15 +71,6 @@ PacketCapture::PacketCapture(const std::filesystem::path& path) : file_(path) {
   throw input_error(path, "is no packet capture: neither pcap nor pcapng");
 }
 
-Bytes PacketCapture::bytes_at(std::uint64_t offset, std::uint64_t count) {
-  if (offset < window_offset_ || offset + count > window_offset_ + window_size_) {
-    window_size_ = file_.read(offset, std::max(count, window_bytes), window_).size();
-    window_offset_ = offset;
-  }
-  const auto from = static_cast<std::size_t>(offset - window_offset_);
-  return Bytes(window_).subspan(from, std::min<std::uint64_t>(count, window_size_ - from));
-}
-
 std::uint32_t PacketCapture::u32(Bytes bytes, std::size_t at) const {
   return gather_detail::load<std::uint32_t>(bytes.subspan(at, 4).data(), swap_);
 }
@@ -88,7 +80,7 @@ std::uint16_t PacketCapture::u16(Bytes bytes, std::size_t at) const {
 }
 
 std::optional<PacketCapture::Frame> PacketCapture::next_pcap_frame() {
-  const Bytes head = bytes_at(offset_, 16);
+  const Bytes head = window_.at(offset_, 16);
   if (head.empty()) {
     ended_ = true;
     return std::nullopt;
@@ -103,7 +95,7 @@ std::optional<PacketCapture::Frame> PacketCapture::next_pcap_frame() {
   frame.whole = captured >= u32(head, 12);
   frame.received_ns = std::int64_t{u32(head, 0)} * ns_per_s +
                       std::int64_t{u32(head, 4)} * (nanoseconds_ ? 1 : 1000);
-  frame.bytes = bytes_at(offset_ + 16, captured);
+  frame.bytes = window_.at(offset_ + 16, captured);
   if (frame.bytes.size() < captured) cut();
   offset_ += 16 + captured;
   return frame;
@@ -111,7 +103,7 @@ std::optional<PacketCapture::Frame> PacketCapture::next_pcap_frame() {
 
 // Tells the byte order of what follows.
 void PacketCapture::begin_section(std::uint64_t offset) {
-  const Bytes head = bytes_at(offset, 12);
+  const Bytes head = window_.at(offset, 12);
   if (head.size() < 12) cut();
   swap_ = false;
   if (u32(head, 8) != byte_order_magic) swap_ = true;
@@ -180,7 +172,7 @@ std::optional<PacketCapture::Frame> PacketCapture::read_packet_block(std::uint32
 }
 
 std::optional<PacketCapture::Frame> PacketCapture::next_block() {
-  const Bytes head = bytes_at(offset_, 8);
+  const Bytes head = window_.at(offset_, 8);
   if (head.empty()) {
     ended_ = true;
     return std::nullopt;
@@ -188,11 +180,11 @@ std::optional<PacketCapture::Frame> PacketCapture::next_block() {
   if (head.size() < 8) cut();
   std::uint32_t type = u32(head, 0);
   if (type == section_block) begin_section(offset_);
-  const std::uint32_t size = u32(bytes_at(offset_, 8), 4);
+  const std::uint32_t size = u32(window_.at(offset_, 8), 4);
   if (size < 12 || size % 4 != 0 || size > most_block_bytes) {
     throw Refusal(refusal_reason::broken_content, "no block begins here");
   }
-  const Bytes block = bytes_at(offset_, size);
+  const Bytes block = window_.at(offset_, size);
   if (block.size() < size) cut();
   offset_ += size;
   const Bytes body = block.subspan(8, size - 12);
@@ -202,11 +194,54 @@ std::optional<PacketCapture::Frame> PacketCapture::next_block() {
   return packet ? read_packet_block(type, body) : std::nullopt;
 }
 
+std::uint64_t PacketCapture::frame_size(Bytes bytes, std::size_t at) const {
+  constexpr std::size_t most_head = 16;
+  if (bytes.size() - at < most_head) return 0;
+  if (next_generation_) {
+    const std::uint32_t size = u32(bytes, at + 4);
+    if (size < 12 || size % 4 != 0 || size > most_block_bytes) return 0;
+    const bool there = size <= bytes.size() - at;
+    return there && u32(bytes, at + size - 4) != size ? 0 : size;  // stands at both ends of a block
+  }
+  const std::int64_t seconds = std::int64_t{u32(bytes, at)} - last_ns_ / ns_per_s;
+  const std::uint32_t fractions = nanoseconds_ ? 1'000'000'000 : 1'000'000;
+  const std::uint32_t captured = u32(bytes, at + 8);
+  const bool likely = std::abs(seconds) < longest_capture_s && u32(bytes, at + 4) < fractions &&
+                      captured <= u32(bytes, at + 12) && captured <= most_frame_bytes;
+  return likely ? most_head + captured : 0;
+}
+
+bool PacketCapture::frames_follow(Bytes bytes, std::size_t at) const {
+  constexpr std::size_t enough = 4;  // that come to stand behind each other by chance
+  for (std::size_t frames = 0;; ++frames) {
+    const std::uint64_t size = frame_size(bytes, at);
+    if (size == 0) return frames >= enough && bytes.size() - at < 16;
+    if (size >= bytes.size() - at) return frames >= enough;
+    at += static_cast<std::size_t>(size);
+  }
+}
+
+bool PacketCapture::jump_near_end(std::uint64_t most_bytes) {
+  std::uint64_t begin = file_.size() > most_bytes ? file_.size() - most_bytes : 0;
+  begin -= begin % 4;  // where blocks of pcapng begin
+  if (begin <= offset_) return true;
+  std::vector<std::byte> buffer;
+  const Bytes tail = file_.read(begin, file_.size() - begin, buffer);
+  for (std::size_t at = 0; at < std::min<std::size_t>(tail.size(), most_frame_bytes);
+       at += next_generation_ ? 4 : 1) {
+    if (!frames_follow(tail, at)) continue;
+    offset_ = begin + at;
+    return true;
+  }
+  return false;
+}
+
 bool PacketCapture::next(Datagram& datagram) {
   try {
     while (!ended_) {
       const auto frame = next_generation_ ? next_block() : next_pcap_frame();
       if (!frame) continue;
+      last_ns_ = frame->received_ns;
       const auto found =
           finder_.add(frame->bytes, frame->link_type, frame->received_ns, frame->whole);
       if (!found) continue;

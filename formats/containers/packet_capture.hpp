@@ -8,6 +8,7 @@
 
 #include "formats/containers/container_file.hpp"
 #include "formats/containers/datagrams.hpp"
+#include "formats/containers/file_window.hpp"
 #include "formats/containers/message_source.hpp"
 
 namespace kissmap {
@@ -22,6 +23,11 @@ class PacketCapture {
 
   /// False at the end, or where damage ends the capture.
   bool next(Datagram& datagram);
+
+  /// Passes over what lies before the last `most_bytes` of the file, by looking there for frames
+  /// that follow each other to its end; false where there are none. After the first next(), which
+  /// tells about the frames.
+  bool jump_near_end(std::uint64_t most_bytes);
 
   /// What ended the capture early; known after next() has returned false.
   const std::optional<ContainerDamage>& damage() const { return damage_; }
@@ -41,7 +47,6 @@ class PacketCapture {
     bool whole = true;
   };
 
-  std::span<const std::byte> bytes_at(std::uint64_t offset, std::uint64_t count);
   std::uint32_t u32(std::span<const std::byte> bytes, std::size_t at) const;
   std::uint16_t u16(std::span<const std::byte> bytes, std::size_t at) const;
   void begin_section(std::uint64_t offset);
@@ -50,12 +55,13 @@ class PacketCapture {
   std::optional<Frame> next_block();
   std::optional<Frame> read_packet_block(std::uint32_t type, std::span<const std::byte> body);
   const Interface& interface(std::uint32_t number) const;
+  std::uint64_t frame_size(std::span<const std::byte> bytes, std::size_t at) const;
+  bool frames_follow(std::span<const std::byte> bytes, std::size_t at) const;
 
   ContainerFile file_;
-  std::vector<std::byte> window_;
-  std::uint64_t window_offset_ = 0;
-  std::size_t window_size_ = 0;
+  FileWindow window_;
   std::uint64_t offset_ = 0;
+  std::int64_t last_ns_ = 0;      ///< when the last frame was received
   bool next_generation_ = false;  ///< pcapng
   bool swap_ = false;
   bool nanoseconds_ = false;

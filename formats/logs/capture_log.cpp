@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Packet captures (pcap, pcapng) of one sensor on the network.
-#include <algorithm>
-#include <map>
 #include <utility>
 
 #include "formats/clouds/cloud_file.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/containers/packet_capture.hpp"
 #include "formats/files/input_file.hpp"
+#include "formats/logs/capture_survey.hpp"
 #include "formats/logs/logs.hpp"
 #include "formats/sensors/ouster_packet.hpp"
 #include "formats/sensors/sensor_calibration.hpp"
@@ -17,57 +16,6 @@ namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A stream of datagrams: where they go, and how long they are.
-struct Stream {
-  std::uint16_t port = 0;
-  std::size_t size = 0;
-  friend auto operator<=>(const Stream&, const Stream&) = default;
-};
-
-constexpr std::size_t datagrams_to_look_at = 20'000;
-constexpr std::size_t velodyne_size = 1206;
-constexpr std::size_t least_hesai_size = 500;
-
-bool begins_with(std::span<const std::byte> payload, int first, int second) {
-  return payload.size() > 2 && payload[0] == std::byte(first) && payload[1] == std::byte(second);
-}
-
-/// By the marks packets begin with; Ouster's have none.
-std::optional<SensorFamily> family_by_mark(std::span<const std::byte> payload) {
-  if (payload.size() == velodyne_size && begins_with(payload, 0xFF, 0xEE))
-    return SensorFamily::velodyne;
-  if (payload.size() >= least_hesai_size && begins_with(payload, 0xEE, 0xFF))
-    return SensorFamily::hesai;
-  return std::nullopt;
-}
-
-std::string listed(const std::map<Stream, std::uint64_t>& streams) {
-  std::string text;
-  for (const auto& [stream, count] : streams) {
-    text += "\n  to port " + std::to_string(stream.port) + ", " + std::to_string(stream.size) +
-            " bytes: " + std::to_string(count);
-  }
-  return text.empty() ? " none" : text;
-}
-
-/// What the first part of a capture holds.
-struct Survey {
-  std::map<Stream, std::uint64_t> streams;
-  std::map<std::uint16_t, SensorFamily> marked;  ///< by port
-};
-
-Survey look_at(const fs::path& path) {
-  Survey survey;
-  PacketCapture capture(path);
-  Datagram datagram;
-  for (std::size_t i = 0; i < datagrams_to_look_at && capture.next(datagram); ++i) {
-    ++survey.streams[{datagram.destination_port, datagram.payload.size()}];
-    const auto family = family_by_mark(datagram.payload);
-    if (family) survey.marked.emplace(datagram.destination_port, *family);
-  }
-  return survey;
-}
 
 /// Which datagrams are the sensor's, and what decodes them.
 struct Choice {
@@ -94,7 +42,7 @@ std::uint16_t chosen_port(const std::vector<std::uint16_t>& ports,
   return ports.front();
 }
 
-std::vector<std::uint16_t> ports_with(const Survey& survey, std::size_t size) {
+std::vector<std::uint16_t> ports_with(const CaptureSurvey& survey, std::size_t size) {
   std::vector<std::uint16_t> ports;
   for (const auto& [stream, count] : survey.streams) {
     if (stream.size == size) ports.push_back(stream.port);
@@ -103,7 +51,7 @@ std::vector<std::uint16_t> ports_with(const Survey& survey, std::size_t size) {
 }
 
 std::uint16_t ouster_port(const fs::path& path,
-                          const Survey& survey,
+                          const CaptureSurvey& survey,
                           const SensorCalibration& metadata,
                           const std::string& wanted) {
   const auto* about = std::get_if<OusterMetadata>(&metadata.content);
@@ -117,7 +65,9 @@ std::uint16_t ouster_port(const fs::path& path,
 }
 
 // Packets of an Ouster look like nothing else: what is not of another sensor is tried.
-Choice choose_ouster(const fs::path& path, const Survey& survey, const ReadOptions& options) {
+Choice choose_ouster(const fs::path& path,
+                     const CaptureSurvey& survey,
+                     const ReadOptions& options) {
   const fs::path file =
       options.calibration.empty() ? find_ouster_metadata(path) : fs::path(options.calibration);
   const SensorCalibration metadata = read_sensor_calibration(file);
@@ -125,7 +75,9 @@ Choice choose_ouster(const fs::path& path, const Survey& survey, const ReadOptio
   return {port, make_packet_decoder(SensorFamily::ouster, metadata), {metadata.file}};
 }
 
-Choice choose_marked(const fs::path& path, const Survey& survey, const ReadOptions& options) {
+Choice choose_marked(const fs::path& path,
+                     const CaptureSurvey& survey,
+                     const ReadOptions& options) {
   std::vector<std::uint16_t> ports;
   for (const auto& [port, family] : survey.marked) ports.push_back(port);
   const std::uint16_t port = chosen_port(ports, options.topic, path);
@@ -135,29 +87,47 @@ Choice choose_marked(const fs::path& path, const Survey& survey, const ReadOptio
   return choice;
 }
 
-Choice choose(const fs::path& path, const ReadOptions& options) {
-  const Survey survey = look_at(path);
+// Sensors that are not read, unless there is another to choose.
+void require_readable(const fs::path& path,
+                      const CaptureSurvey& survey,
+                      const ReadOptions& options) {
+  for (const auto& [port, description] : survey.foreign) {
+    const bool wanted = options.topic == std::to_string(port);
+    const bool no_other = survey.marked.empty() && options.calibration.empty();
+    if (wanted || no_other) {
+      throw input_error(path, description + " (to port " + std::to_string(port) + ")");
+    }
+  }
+}
+
+Choice choose(const fs::path& path, const CaptureSurvey& survey, const ReadOptions& options) {
   if (survey.streams.empty()) throw input_error(path, "holds no UDP datagrams");
+  require_readable(path, survey, options);
   if (!survey.marked.empty()) return choose_marked(path, survey, options);
   try {
     return choose_ouster(path, survey, options);
   } catch (const Error& error) {
-    throw Error(
-        error.fault(),
-        std::string(error.what()) +
-            "\nNo packets of Velodyne or Hesai in it either; datagrams:" + listed(survey.streams));
+    throw Error(error.fault(),
+                std::string(error.what()) +
+                    "\nNo packets of another sensor known here in it; datagrams:" + listed(survey));
   }
 }
 
 class CaptureLog : public ScanLog {
  public:
-  CaptureLog(const fs::path& path, Choice choice) : capture_(path), choice_(std::move(choice)) {
+  CaptureLog(const fs::path& path, const CaptureSurvey& survey, Choice choice)
+      : capture_(path), choice_(std::move(choice)) {
     info_.format = "pcap";
     info_.path = path;
     info_.stamp_source = "packets";
     info_.fields = "x f32, y f32, z f32, intensity f32, time f32";
     info_.notes.push_back("packets to port " + std::to_string(choice_.port) +
                           ", sweeps with a time for each point");
+    info_.topics = topics_of(survey);
+    if (!survey.marked.contains(choice_.port)) {
+      info_.topics.push_back({std::to_string(choice_.port), "Ouster packets", std::nullopt});
+    }
+    set_time_range(survey.first_ns.at(choice_.port));
     peeked_ = read();
     info_.sensor = choice_.decoder->sensor();
   }
@@ -177,6 +147,11 @@ class CaptureLog : public ScanLog {
   }
 
  private:
+  void set_time_range(std::int64_t first_ns) {
+    const auto last_ns = last_received(info_.path, choice_.port);
+    if (last_ns && *last_ns > first_ns) info_.time_range.emplace(first_ns, *last_ns);
+  }
+
   std::string name() const { return "sweep " + std::to_string(sweeps_); }
 
   std::optional<LogEntry> read() {
@@ -229,7 +204,8 @@ bool probe_capture(const fs::path& path) {
 std::unique_ptr<ScanLog> open_capture(const fs::path& path, const ReadOptions& options) {
   require_valid(options);
   try {
-    return std::make_unique<CaptureLog>(path, choose(path, options));
+    const CaptureSurvey survey = survey_capture(path);
+    return std::make_unique<CaptureLog>(path, survey, choose(path, survey, options));
   } catch (const Refusal& refusal) {
     throw input_error(path, refusal.what());
   }

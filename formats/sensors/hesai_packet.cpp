@@ -7,6 +7,7 @@
 #include <string>
 
 #include "formats/clouds/refusal.hpp"
+#include "formats/sensors/foreign_sensor.hpp"
 
 namespace kissmap {
 namespace {
@@ -151,12 +152,10 @@ std::optional<HesaiPacket> read_pandar(const PacketBytes& bytes, const HesaiMode
 }
 
 const HesaiModel* recognize_version(const PacketBytes& bytes, unsigned major, unsigned minor) {
-  const std::string version = std::to_string(major) + "." + std::to_string(minor);
   const bool xt = major == xt_major && minor == xt_minor;
   const bool qt = major == qt_major && minor == qt_minor;
-  if (!xt && !qt) refuse("packets of a Hesai with the unsupported protocol " + version);
-  const std::size_t lasers = bytes.u8(6);
-  const std::size_t blocks = bytes.u8(7);
+  const unsigned lasers = bytes.u8(6);
+  const unsigned blocks = bytes.u8(7);
   const auto is = [&](const HesaiModel& model) {
     return model.lasers == lasers && model.blocks == blocks;
   };
@@ -164,8 +163,7 @@ const HesaiModel* recognize_version(const PacketBytes& bytes, unsigned major, un
   if (xt && is(hesai::xt_32)) return &hesai::xt_32;
   if (xt && is(hesai::xt_16)) return &hesai::xt_16;
   if (xt && is(hesai::xt_32m)) return &hesai::xt_32m;
-  refuse("packets of an unknown Hesai: protocol " + version + ", " + std::to_string(lasers) +
-         " lasers in " + std::to_string(blocks) + " blocks");
+  refuse(describe_unread_hesai({major, minor, lasers, blocks}));
 }
 
 }  // namespace

@@ -173,8 +173,8 @@ fs::path find_ouster_metadata(const fs::path& capture) {
   if (!best.empty()) return best;
   throw input_error(
       capture,
-      "packets of an Ouster sensor, which cannot be read without its metadata; put its "
-      "JSON file beside it, as " +
+      "holds no packets that tell their sensor. Those of an Ouster do not, and want its metadata: "
+      "put the JSON file beside the capture, as " +
           same.filename().string());
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "formats/clouds/refusal.hpp"
+#include "formats/sensors/foreign_sensor.hpp"
 
 namespace kissmap {
 namespace {
@@ -70,11 +71,17 @@ const VelodyneModel& recognize_velodyne(const PacketBytes& bytes) {
         "with --calibration, the ROS driver's YAML file");
   }
   if (product == product_vlp_32_ab) {
-    refuse("packets of a Velodyne VLP-32A or VLP-32B: they do not tell which, and angles differ");
+    refuse("packets of a Velodyne VLP-32A or VLP-32B: they do not tell which, and angles differ; " +
+           unread_velodyne_cure());
   }
-  if (product == product_velarray) refuse("packets of a Velodyne Velarray are not supported");
+  if (product == product_velarray) {
+    refuse("packets of a Velodyne Velarray are not read; " + unread_velodyne_cure());
+  }
   const VelodyneModel* model = find_velodyne_model(product);
-  if (model == nullptr) refuse("packets of a Velodyne with the unknown product " + in_hex(product));
+  if (model == nullptr) {
+    refuse("packets of a Velodyne with the unknown product " + in_hex(product) + "; " +
+           unread_velodyne_cure());
+  }
   if (const std::uint8_t mode = bytes.u8(return_mode_at); !mode_is_known(mode)) {
     refuse(std::string(model->name) + " in the unsupported return mode " + in_hex(mode));
   }

@@ -39,9 +39,9 @@ struct LogFile {
   friend bool operator==(const LogFile&, const LogFile&) = default;
 };
 
-/// A stream of messages in a bag or MCAP file.
+/// A stream of messages in a bag or MCAP file, or of datagrams to one port in a capture.
 struct LogTopic {
-  std::string name;
+  std::string name;  ///< or the port
   std::string type;
   std::optional<std::uint64_t> message_count;  ///< none where only reading to the end can tell
 };
@@ -56,7 +56,7 @@ struct LogInfo {
   std::optional<std::pair<std::int64_t, std::int64_t>> time_range;
   std::string sensor;              ///< where the log tells
   std::string fields;              ///< of a point, with their types
-  std::vector<LogTopic> topics;    ///< of a bag or MCAP file, all of them
+  std::vector<LogTopic> topics;    ///< all of a bag or MCAP file; of a capture, those understood
   std::vector<std::string> notes;  ///< decisions the reader took, for the user
 };
 
