@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstdio>
 
 #include "commands.hpp"
 #include "info_closures.hpp"
+#include "info_sample.hpp"
 #include "kissmap/error.hpp"
+#include "kissmap/formats/georeference.hpp"
 #include "kissmap/formats/pack.hpp"
 #include "kissmap/formats/registry.hpp"
 #include "kissmap/formats/session.hpp"
@@ -69,6 +72,7 @@ void print_whole(ScanLog& log, LogEntry entry) {
   StampGaps gaps;
   std::optional<std::int64_t> first;
   std::int64_t last = 0;
+  std::size_t used = 0;
   for (std::optional<LogEntry> next = std::move(entry); next; next = log.next()) {
     ++counts.scans_read;
     if (const auto* refused = std::get_if<RefusedScan>(&next->content)) {
@@ -84,26 +88,38 @@ void print_whole(ScanLog& log, LogEntry entry) {
       continue;
     }
     gaps.observe(next->index, scan.stamp_ns);
+    ++used;
     first = first.value_or(scan.stamp_ns);
     last = scan.stamp_ns;
   }
   counts.gaps = gaps.gaps();
-  std::printf("  whole log   %s scans, %s returns, %.3f s\n",
+  const double seconds = first ? 1e-9 * static_cast<double>(last - *first) : 0.0;
+  std::printf("  whole log   %s scans, %s returns, %.3f s%s\n",
               with_commas(counts.scans_read).c_str(),
               with_commas(counts.points_read).c_str(),
-              first ? 1e-9 * static_cast<double>(last - *first) : 0.0);
+              seconds,
+              describe_rate(used, seconds).c_str());
+  if (used > 0) {
+    std::printf("  per scan    %s returns\n", with_commas(counts.points_read / used).c_str());
+  }
   std::fputs(describe_refusals(counts).c_str(), stdout);
 }
 
-void print_duration(const LogInfo& about) {
-  if (!about.time_range) return;
-  const auto [first, last] = *about.time_range;
-  const double seconds = 1e-9 * (static_cast<double>(last) - static_cast<double>(first));
-  std::printf("  duration    %.3f s", seconds);
-  if (about.scan_count && *about.scan_count > 1 && seconds > 0.0) {
-    std::printf(", %.2f scans a second", static_cast<double>(*about.scan_count - 1) / seconds);
+using Times = std::optional<std::vector<std::int64_t>>;  // [ns]
+
+/// By the index of the log, or what else tells before it is read; true if that tells the rate.
+bool print_duration(const LogInfo& about, const Times& times) {
+  auto range = about.time_range;
+  if (!range && times && !times->empty()) {
+    const auto [first, last] = std::ranges::minmax(*times);
+    range.emplace(first, last);
   }
-  std::printf("\n");
+  if (!range) return false;
+  const double seconds =
+      1e-9 * (static_cast<double>(range->second) - static_cast<double>(range->first));
+  const std::string rate = describe_rate(about.scan_count.value_or(0), seconds);
+  std::printf("  duration    %.3f s%s\n", seconds, rate.c_str());
+  return !rate.empty();
 }
 
 void print_gaps(const std::vector<std::int64_t>& times_ns) {
@@ -128,28 +144,29 @@ void print_topics(const LogInfo& about) {
       std::printf(", %s messages", with_commas(*topic.message_count).c_str());
     std::printf(")\n");
   }
-  for (const LogTopic& topic : about.topics) {
-    if (topic.type != "sensor_msgs/NavSatFix" || topic.message_count == 0U) continue;
-    std::printf("  georeference on topic %s\n", printable(topic.name).c_str());
-  }
 }
 
 void print_log(const InfoCommand& command) {
-  const auto log = read_ahead(open_log(command.path, command.options, command.format));
+  std::unique_ptr<ScanLog> log = open_log(command.path, command.options, command.format);
+  if (command.all) log = read_ahead(std::move(log));
   const LogInfo& about = log->info();
   std::printf("%s\n  format      %s\n", about.path.c_str(), about.format.c_str());
   if (!about.sensor.empty()) std::printf("  sensor      %s\n", printable(about.sensor).c_str());
   if (about.scan_count) std::printf("  scans       %s\n", with_commas(*about.scan_count).c_str());
-  print_duration(about);
+  const Times times = log->known_times();
+  const bool rate_is_known = print_duration(about, times);
   std::printf("  stamps      from %s\n", about.stamp_source.c_str());
-  const auto times = command.all ? std::nullopt : log->known_times();
-  if (times) print_gaps(*times);
+  if (times && !command.all) print_gaps(*times);
   if (!times && !command.all) std::printf("  gaps        not known before it is read (--all)\n");
   std::optional<LogEntry> entry = log->next();
   if (!entry) throw input_error(about.path, "holds no scan");
   print_scan(*entry);
+  if (!command.all && !rate_is_known) std::fputs(describe_sample(*log, *entry).c_str(), stdout);
   if (!about.fields.empty()) std::printf("  fields      %s\n", printable(about.fields).c_str());
   print_topics(about);
+  for (const std::string& place : find_georeference(about, entry->name)) {
+    std::printf("  georeference %s\n", printable(place).c_str());
+  }
   for (const std::string& note : about.notes) std::printf("  note        %s\n", note.c_str());
   if (command.all) print_whole(*log, std::move(*entry));
 }

@@ -49,6 +49,7 @@ class HitsLog : public ScanLog {
     info_.stamp_source = "packets";
     info_.fields = "x f32, y f32, z f32, intensity f32, time f32";
     info_.notes = {"sweeps by azimuth, a point has the time of its packet, turned to z up"};
+    info_.time_range = time_range();
   }
 
   const LogInfo& info() const override { return info_; }
@@ -72,6 +73,26 @@ class HitsLog : public ScanLog {
   }
 
  private:
+  // By the first packet, and the last one of those that follow each other to the end of the file.
+  std::optional<std::pair<std::int64_t, std::int64_t>> time_range() {
+    std::vector<std::byte> first_bytes;
+    const auto first = file_.read(0, head_bytes, first_bytes);
+    if (first.size() < head_bytes || !is_mark(first)) return std::nullopt;
+    const std::uint64_t begin = file_.size() > window_bytes ? file_.size() - window_bytes : 0;
+    const auto tail = file_.read(begin, window_bytes, buffer_);
+    std::uint64_t last_us = 0;
+    for (std::size_t i = 0; i + head_bytes <= tail.size();) {
+      const auto packet = tail.subspan(i);
+      const bool whole = is_mark(packet) && at<std::uint32_t>(packet, 8) <= most_hits;
+      if (whole) last_us = at<std::uint64_t>(packet, 12);
+      i += whole ? head_bytes + std::size_t{at<std::uint32_t>(packet, 8)} * hit_bytes : 1;
+    }
+    const auto first_us = at<std::uint64_t>(first, 12);
+    if (last_us <= first_us || last_us > latest_us) return std::nullopt;
+    return std::pair(static_cast<std::int64_t>(first_us) * 1000,
+                     static_cast<std::int64_t>(last_us) * 1000);
+  }
+
   void finish() {
     at_end_ = true;
     lost_bytes_ += file_.size() - std::min(file_.size(), offset_);

@@ -14,6 +14,7 @@
 #include "formats/containers/container_file.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/logs/logs.hpp"
+#include "formats/logs/lvx_times.hpp"
 #include "formats/text/lines.hpp"
 #include "kissmap/error.hpp"
 
@@ -103,6 +104,7 @@ class LvxLog : public ScanLog {
     } catch (const Refusal& refusal) {
       throw input_error(path, std::string("broken at its beginning: ") + refusal.what());
     }
+    info_.time_range = lvx_time_range(file_, frame_offset_, frame_head_bytes());
   }
 
   const LogInfo& info() const override { return info_; }
@@ -147,8 +149,10 @@ class LvxLog : public ScanLog {
     frame_offset_ = cursor.position();
   }
 
+  std::size_t frame_head_bytes() const { return first_version_ ? 32 : 24; }
+
   void read_frame() {
-    const std::size_t head_size = first_version_ ? 32 : 24;
+    const std::size_t head_size = frame_head_bytes();
     const Bytes head = file_.read(frame_offset_, head_size, buffer_);
     if (head.empty()) {
       at_end_ = true;
