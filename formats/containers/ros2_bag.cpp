@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "formats/containers/bag_metadata.hpp"
 #include "formats/containers/joined_source.hpp"
 #include "formats/containers/mcap.hpp"
 #include "formats/containers/sqlite_bag.hpp"
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* packed_extension = ".zstd";
+constexpr std::uint64_t most_bytes_to_count = 32 << 20;  // of all files of a bag
 
 struct Metadata {
   std::vector<fs::path> files;
@@ -48,10 +50,7 @@ Metadata read_metadata(const fs::path& folder) {
     for (const YAML::Node& name : root["relative_file_paths"]) {
       metadata.files.push_back(file_named(folder, name.as<std::string>()));
     }
-    for (const YAML::Node& topic : root["topics_with_message_count"]) {
-      metadata.counts[topic["topic_metadata"]["name"].as<std::string>()] +=
-          topic["message_count"].as<std::uint64_t>();
-    }
+    metadata.counts = recorded_counts(root);
   } catch (const YAML::Exception& error) {
     throw input_error(
         path,
@@ -70,13 +69,13 @@ std::vector<fs::path> bag_files(const fs::path& folder) {
   return files;
 }
 
-std::unique_ptr<MessageSource> open_file(const fs::path& file, bool count) {
+std::unique_ptr<MessageSource> open_file(const fs::path& file, std::uint64_t most_bytes) {
   if (lower_case(file.extension().string()) == packed_extension) {
     return open_unpacked(file,
-                         [=](const fs::path& unpacked) { return open_file(unpacked, count); });
+                         [=](const fs::path& unpacked) { return open_file(unpacked, most_bytes); });
   }
   if (lower_case(file.extension().string()) == ".mcap") return open_mcap(file);
-  return open_sqlite_bag(file, count);
+  return open_sqlite_bag(file, most_bytes);
 }
 
 }  // namespace
@@ -89,14 +88,15 @@ bool is_ros2_bag_file(const fs::path& path) {
 }
 
 std::unique_ptr<MessageSource> open_ros2_bag(const fs::path& path) {
-  if (!fs::is_directory(path)) return open_file(path, true);
+  if (!fs::is_directory(path)) return open_file(path, most_bytes_to_count);
   const bool described = fs::exists(path / "metadata.yaml");
   Metadata metadata = described ? read_metadata(path) : Metadata{};
   if (metadata.files.empty()) metadata.files = bag_files(path);
   if (metadata.files.empty()) throw input_error(path, "has neither .db3 nor .mcap files");
   std::vector<std::unique_ptr<MessageSource>> parts;
   parts.reserve(metadata.files.size());
-  for (const fs::path& file : metadata.files) parts.push_back(open_file(file, !described));
+  const std::uint64_t for_each = described ? 0 : most_bytes_to_count / metadata.files.size();
+  for (const fs::path& file : metadata.files) parts.push_back(open_file(file, for_each));
   auto joined = std::make_unique<JoinedSource>(std::move(parts));
   joined->set_counts(metadata.counts);
   return joined;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "formats/containers/sqlite_bag.hpp"
 
-#include <sqlite3.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <utility>
 
 #include "formats/clouds/refusal.hpp"
+#include "formats/containers/bag_metadata.hpp"
 #include "formats/containers/byte_cursor.hpp"
 #include "formats/containers/container_file.hpp"
 #include "formats/containers/ros_type.hpp"
+#include "formats/containers/sqlite_database.hpp"
 #include "formats/containers/unpack.hpp"
 #include "kissmap/error.hpp"
 
@@ -20,58 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The topic of a message stands in its row, and a row of any size has a page of its own.
-constexpr std::uint64_t page_bytes = 4096;
-constexpr std::uint64_t most_bytes_to_count = 32 << 20;
 constexpr std::uint32_t zstd_magic = 0xFD2FB528;
-
-// A path within a URI: what has a meaning there is written as %XX.
-std::string uri_of(const fs::path& path, const char* mode) {
-  constexpr const char* digits = "0123456789ABCDEF";
-  std::string uri = "file:";
-  for (const char c : path.string()) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (std::isalnum(byte) != 0 || c == '/' || c == '.' || c == '_' || c == '-') {
-      uri += c;
-    } else {
-      uri += {'%', digits[byte >> 4U], digits[byte & 15U]};
-    }
-  }
-  return uri + mode;
-}
-
-class Statement {
- public:
-  Statement(sqlite3* database, const std::string& query) {
-    if (sqlite3_prepare_v2(database, query.c_str(), -1, &statement_, nullptr) != SQLITE_OK) {
-      throw Refusal(refusal_reason::broken_content, sqlite3_errmsg(database));
-    }
-  }
-  ~Statement() { sqlite3_finalize(statement_); }
-  Statement(const Statement&) = delete;
-  Statement& operator=(const Statement&) = delete;
-
-  /// True for a row, false at the end. Throws Refusal for a damaged file.
-  bool step() {
-    const int result = sqlite3_step(statement_);
-    if (result == SQLITE_ROW) return true;
-    if (result == SQLITE_DONE) return false;
-    throw Refusal(refusal_reason::broken_content, sqlite3_errmsg(sqlite3_db_handle(statement_)));
-  }
-  std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
-  std::string text(int column) const {
-    const auto* chars = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-    return chars == nullptr ? "" : chars;
-  }
-  std::span<const std::byte> blob(int column) const {
-    const auto* bytes = static_cast<const std::byte*>(sqlite3_column_blob(statement_, column));
-    return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
-  }
-  bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
-
- private:
-  sqlite3_stmt* statement_ = nullptr;
-};
+constexpr std::uint64_t rows_that_tell = 1024;
 
 /// True where the file is shorter than its header says.
 bool is_cut(const ContainerFile& file) {
@@ -86,13 +37,13 @@ bool is_cut(const ContainerFile& file) {
 
 class SqliteSource : public MessageSource {
  public:
-  SqliteSource(const fs::path& path, bool count) : file_(path) {
-    open();
+  SqliteSource(const fs::path& path, std::uint64_t most_bytes_to_count)
+      : file_(path), database_(path) {
     try {
       cut_ = is_cut(file_);
-      if (cut_) accept_missing_pages();
+      if (cut_) database_.accept_missing_pages();
       read_topics();
-      if (count && rows_to_look_at() * page_bytes <= most_bytes_to_count) count_messages();
+      if (most_bytes_to_count > 0 && !use_recorded_counts()) count_rows(most_bytes_to_count);
       read_time_range();
     } catch (const Refusal& refusal) {
       if (topic_of_.empty()) {
@@ -108,27 +59,23 @@ class SqliteSource : public MessageSource {
   }
   std::optional<std::vector<std::int64_t>> times(std::size_t topic,
                                                  std::uint64_t most_bytes) override {
-    if (cut_ || rows_to_look_at() * page_bytes > most_bytes) return std::nullopt;
-    std::vector<std::int64_t> times;
     try {
-      Statement rows(database_.get(),
-                     "SELECT topic_id, timestamp FROM messages ORDER BY timestamp");
-      while (rows.step()) {
-        const auto of = topic_of_.find(rows.integer(0));
-        if (of != topic_of_.end() && of->second == topic) times.push_back(rows.integer(1));
-      }
+      if (cut_ || (!times_ && !read_times(most_bytes))) return std::nullopt;
     } catch (const Refusal&) {
       return std::nullopt;
     }
+    std::vector<std::int64_t> times = (*times_)[topic];
+    std::ranges::sort(times);
     return times;
   }
   void select(const std::set<std::size_t>& topics) override { selected_ = topics; }
 
   bool next(Message& message) override {
-    if (!step()) return false;
+    if (!step("data")) return false;
     message.topic = topic_of_.at(rows_->integer(0));
     message.received_ns = rows_->integer(1);
     message.data = rows_->blob(2);
+    passed_ = Place{message.received_ns, rows_->integer(3)};
     if (!is_packed(message.data)) return true;
     try {
       unpack_zstd_message(message.data, unpacked_);
@@ -141,9 +88,16 @@ class SqliteSource : public MessageSource {
     return true;
   }
 
+  // Where a query asks for the data, SQLite reads all of it at every step.
   std::uint64_t skip(std::uint64_t count) override {
+    if (count == 0) return 0;
     std::uint64_t passed = 0;
-    while (passed < count && step()) ++passed;
+    rows_.reset();
+    while (passed < count && step("NULL")) {
+      passed_ = Place{rows_->integer(1), rows_->integer(3)};
+      ++passed;
+    }
+    rows_.reset();
     return passed;
   }
 
@@ -152,31 +106,18 @@ class SqliteSource : public MessageSource {
   std::vector<std::string> notes() const override { return notes_; }
 
  private:
-  void open() {
-    // A log of changes beside the file belongs to it; without one nothing is written anywhere.
-    std::error_code no_file;
-    const fs::path changes = file_.path().string() + "-wal";
-    const bool has_changes = fs::exists(changes, no_file) && fs::file_size(changes, no_file) > 0;
-    const std::string uri = uri_of(file_.path(), has_changes ? "?mode=ro" : "?mode=ro&immutable=1");
-    sqlite3* raw = nullptr;
-    const int result =
-        sqlite3_open_v2(uri.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
-    database_.reset(raw);
-    if (result != SQLITE_OK) {
-      throw input_error(file_.path(),
-                        std::string("cannot be opened: ") + sqlite3_errmsg(raw) +
-                            (has_changes ? "; its -wal file wants a folder that can be written, "
-                                           "copy both to one"
-                                         : ""));
-    }
-  }
-
-  // Otherwise SQLite reads nothing of a file that is shorter than its header says.
-  void accept_missing_pages() { Statement(database_.get(), "PRAGMA writable_schema=ON").step(); }
+  struct Place {
+    std::int64_t timestamp = 0;
+    std::int64_t id = 0;
+  };
 
   void read_topics() {
-    Statement rows(database_.get(), "SELECT id, name, type, serialization_format FROM topics");
+    SqliteRows rows(database_, "SELECT id, name, type, serialization_format FROM topics");
     while (rows.step()) {
+      // A page that is missing reads as empty.
+      if (cut_ && rows.text(1).empty()) {
+        throw Refusal(refusal_reason::truncated, "the file ends before the names of its topics");
+      }
       const MessageEncoding encoding = rows.text(3) == "cdr" || rows.text(3).empty()
                                            ? MessageEncoding::cdr
                                            : MessageEncoding::other;
@@ -185,58 +126,105 @@ class SqliteSource : public MessageSource {
     }
   }
 
-  std::uint64_t rows_to_look_at() {
-    Statement first(database_.get(), "SELECT MIN(id) FROM messages");
-    Statement last(database_.get(), "SELECT MAX(id) FROM messages");
+  // By their ids, which a recorder gives one after the other.
+  std::uint64_t row_count() {
+    SqliteRows first(database_, "SELECT MIN(id) FROM messages");
+    SqliteRows last(database_, "SELECT MAX(id) FROM messages");
     if (!first.step() || !last.step() || first.is_null(0)) return 0;
     const double rows =
         static_cast<double>(last.integer(0)) - static_cast<double>(first.integer(0));
     return static_cast<std::uint64_t>(std::clamp(rows + 1.0, 0.0, 1e12));
   }
 
-  void count_messages() {
-    std::map<std::size_t, std::uint64_t> counts;
-    Statement rows(database_.get(), "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id");
-    while (rows.step()) {
-      const auto topic = topic_of_.find(rows.integer(0));
-      if (topic != topic_of_.end()) {
-        counts[topic->second] = static_cast<std::uint64_t>(rows.integer(1));
-      }
+  bool has_table(const std::string& name) {
+    return SqliteRows(database_, "PRAGMA table_info(" + name + ")").step();
+  }
+
+  // A recorder that was killed, or went on in another file, left counts that do not add up.
+  bool use_recorded_counts() {
+    if (!has_table("metadata")) return false;
+    SqliteRows rows(database_,
+                    "SELECT metadata FROM metadata WHERE LENGTH(metadata) < 1000000 "
+                    "ORDER BY id DESC LIMIT 1");
+    if (!rows.step()) return false;
+    std::map<std::string, std::uint64_t> counts;
+    try {
+      counts = recorded_counts(YAML::Load(rows.text(0)));
+    } catch (const YAML::Exception&) {
+      return false;
     }
-    for (std::size_t i = 0; i < topics_.size(); ++i) topics_[i].message_count = counts[i];
+    std::uint64_t sum = 0;
+    for (const Topic& topic : topics_) sum += counts[topic.name];
+    if (sum != row_count()) return false;
+    for (Topic& topic : topics_) topic.message_count = counts[topic.name];
+    return true;
+  }
+
+  void count_rows(std::uint64_t most_bytes) {
+    if (!read_times(most_bytes)) return;
+    for (std::size_t i = 0; i < topics_.size(); ++i) topics_[i].message_count = (*times_)[i].size();
+  }
+
+  // The topic of a message stands in its row alone, and a page holds one to some dozens: all have
+  // to be looked at. False, soon, where that takes more than `most_bytes`.
+  bool read_times(std::uint64_t most_bytes) {
+    const std::uint64_t before = database_.bytes_read();
+    const auto all = static_cast<double>(row_count());
+    std::map<std::size_t, std::vector<std::int64_t>> times;
+    SqliteRows rows(database_, "SELECT topic_id, timestamp FROM messages NOT INDEXED");
+    for (std::uint64_t passed = 1; rows.step(); ++passed) {
+      const auto topic = topic_of_.find(rows.integer(0));
+      if (topic != topic_of_.end()) times[topic->second].push_back(rows.integer(1));
+      const std::uint64_t bytes = database_.bytes_read() - before;
+      const double in_all = static_cast<double>(bytes) * all / static_cast<double>(passed);
+      const bool hopeless =
+          passed % rows_that_tell == 0 && in_all > 2.0 * static_cast<double>(most_bytes);
+      if (bytes > most_bytes || hopeless) return false;
+    }
+    times_ = std::move(times);
+    return true;
   }
 
   // Each by itself is looked up in the index of times, both at once are not.
   void read_time_range() {
-    Statement first(database_.get(), "SELECT MIN(timestamp) FROM messages");
-    Statement last(database_.get(), "SELECT MAX(timestamp) FROM messages");
+    SqliteRows first(database_, "SELECT MIN(timestamp) FROM messages");
+    SqliteRows last(database_, "SELECT MAX(timestamp) FROM messages");
     if (first.step() && last.step() && !first.is_null(0)) {
       time_range_.emplace(first.integer(0), last.integer(0));
     }
   }
 
   bool has_time_index() {
-    Statement rows(database_.get(), "PRAGMA index_list(messages)");
+    SqliteRows rows(database_, "PRAGMA index_list(messages)");
     return rows.step();
   }
 
-  void begin() {
+  // Rows from the one after that passed last.
+  void begin(const std::string& data) {
     std::string list;
     for (const auto& [id, topic] : topic_of_) {
       if (selected_.contains(topic)) list += (list.empty() ? "" : ",") + std::to_string(id);
     }
     // Of a cut file the index, which grows all along, is the first to be lost.
     const bool by_time = !cut_ && has_time_index();
-    rows_ = std::make_unique<Statement>(
-        database_.get(),
-        "SELECT topic_id, timestamp, data, id FROM messages WHERE topic_id IN (" + list +
-            ") ORDER BY " + (by_time ? "timestamp, id" : "id"));
+    std::string after;
+    if (passed_ && by_time) {
+      const std::string time = std::to_string(passed_->timestamp);
+      after = " AND timestamp >= " + time + " AND (timestamp > " + time + " OR id > " +
+              std::to_string(passed_->id) + ")";
+    } else if (passed_) {
+      after = " AND id > " + std::to_string(passed_->id);
+    }
+    rows_ = std::make_unique<SqliteRows>(
+        database_,
+        "SELECT topic_id, timestamp, " + data + ", id FROM messages WHERE topic_id IN (" + list +
+            ")" + after + " ORDER BY " + (by_time ? "timestamp, id" : "id"));
   }
 
-  bool step() {
+  bool step(const char* data) {
     if (ended_) return false;
     try {
-      if (!rows_) begin();
+      if (!rows_) begin(data);
       if (rows_->step()) return true;
       if (cut_) throw Refusal(refusal_reason::truncated, "the file is shorter than it says");
     } catch (const Refusal& refusal) {
@@ -252,17 +240,15 @@ class SqliteSource : public MessageSource {
     return data.size() > 4 && ByteCursor(data).value<std::uint32_t>() == zstd_magic;
   }
 
-  struct Close {
-    void operator()(sqlite3* database) const { sqlite3_close(database); }
-  };
-
   ContainerFile file_;
-  std::unique_ptr<sqlite3, Close> database_;
-  std::unique_ptr<Statement> rows_;
+  SqliteDatabase database_;
+  std::unique_ptr<SqliteRows> rows_;
+  std::optional<Place> passed_;
   std::map<std::int64_t, std::size_t> topic_of_;
   std::vector<Topic> topics_;
   std::set<std::size_t> selected_;
   std::optional<std::pair<std::int64_t, std::int64_t>> time_range_;
+  std::optional<std::map<std::size_t, std::vector<std::int64_t>>> times_;  ///< by topic
   std::vector<std::byte> unpacked_;
   std::vector<ContainerDamage> damage_;
   std::vector<std::string> notes_;
@@ -272,8 +258,9 @@ class SqliteSource : public MessageSource {
 
 }  // namespace
 
-std::unique_ptr<MessageSource> open_sqlite_bag(const fs::path& path, bool count) {
-  return std::make_unique<SqliteSource>(path, count);
+std::unique_ptr<MessageSource> open_sqlite_bag(const fs::path& path,
+                                               std::uint64_t most_bytes_to_count) {
+  return std::make_unique<SqliteSource>(path, most_bytes_to_count);
 }
 
 }  // namespace kissmap

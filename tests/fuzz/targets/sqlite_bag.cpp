@@ -6,5 +6,5 @@
 
 KISSMAP_FUZZ_TARGET_WITHIN(sqlite_bag, kissmap::fuzz_mebibytes_of_zstd) {
   read_container(input,
-                 [](const std::filesystem::path& path) { return open_sqlite_bag(path, true); });
+                 [](const std::filesystem::path& path) { return open_sqlite_bag(path, 32 << 20); });
 }
