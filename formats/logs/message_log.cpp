@@ -43,9 +43,17 @@ std::size_t named_topic(const std::vector<Topic>& topics,
                     "topics:" + listed(topics));
 }
 
-std::size_t the_topic(const std::vector<Topic>& topics,
+// Damage met while the container was opened may be why nothing was found in it.
+std::string listed(const std::vector<ContainerDamage>& damages) {
+  std::string text;
+  for (const ContainerDamage& damage : damages) text += "\n  " + damage.detail;
+  return text;
+}
+
+std::size_t the_topic(const MessageSource& source,
                       const std::string& name,
                       const std::filesystem::path& path) {
+  const std::vector<Topic>& topics = source.topics();
   if (!name.empty()) return named_topic(topics, name, path);
   std::vector<Topic> candidates;
   std::ranges::copy_if(topics, std::back_inserter(candidates), is_candidate);
@@ -54,7 +62,9 @@ std::size_t the_topic(const std::vector<Topic>& topics,
                       "several topics hold scans; choose one with --topic:" + listed(candidates));
   }
   if (candidates.empty()) {
-    throw input_error(path, "no topic holds scans kissmap can read; topics:" + listed(topics));
+    throw input_error(path,
+                      "no topic holds scans kissmap can read; topics:" + listed(topics) +
+                          listed(source.damage()));
   }
   const auto found = std::ranges::find_if(topics, is_candidate);
   return static_cast<std::size_t>(found - topics.begin());
@@ -172,7 +182,7 @@ class MessageLog : public ScanLog {
 std::unique_ptr<ScanLog> open_message_log(std::unique_ptr<MessageSource> source,
                                           LogInfo info,
                                           const ReadOptions& options) {
-  const std::size_t topic = the_topic(source->topics(), options.topic, info.path);
+  const std::size_t topic = the_topic(*source, options.topic, info.path);
   return std::make_unique<MessageLog>(std::move(source), topic, std::move(info), options);
 }
 
