@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "formats/clouds/refusal.hpp"
-
 namespace kissmap {
 namespace {
 
@@ -18,6 +16,12 @@ constexpr std::size_t most_open_chunks = 8;
 constexpr std::uint64_t index_pages_bytes = 8192;
 
 }  // namespace
+
+ContainerDamage damage_of(const Chunk& chunk, const ContainerFile& file, const Refusal& why) {
+  return {
+      why.reason(),
+      file.path().string() + ": chunk at byte " + std::to_string(chunk.offset) + ": " + why.what()};
+}
 
 void sum_counts(ContainerIndex& index) {
   for (Topic& topic : index.topics) topic.message_count = 0;
@@ -72,9 +76,7 @@ bool ChunkedSource::open_next_chunk() {
   try {
     reader_->load(chunk, opened.chunk);
   } catch (const Refusal& refusal) {
-    index_.damage.push_back({refusal.reason(),
-                             file_->path().string() + ": chunk at byte " +
-                                 std::to_string(chunk.offset) + ": " + refusal.what()});
+    if (!chunk.damaged) index_.damage.push_back(damage_of(chunk, *file_, refusal));
   }
   std::erase_if(opened.chunk.messages,
                 [&](const StoredMessage& m) { return !selected_.contains(m.topic); });

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "formats/clouds/refusal.hpp"
 #include "formats/containers/container_file.hpp"
 #include "formats/containers/message_source.hpp"
 
@@ -16,7 +17,8 @@ struct Chunk {
   std::uint64_t size = 0;  ///< of its records in the file
   std::int64_t first_ns = 0;
   std::int64_t last_ns = 0;
-  bool bare = false;  ///< messages that lie in the file without a chunk around them
+  bool bare = false;     ///< messages that lie in the file without a chunk around them
+  bool damaged = false;  ///< as was seen and reported when it was counted
   /// How many messages of each topic it holds; without it only unpacking can tell.
   std::optional<std::map<std::size_t, std::uint64_t>> counts;
 };
@@ -42,6 +44,9 @@ struct ContainerIndex {
   std::vector<ContainerDamage> damage;
   std::vector<std::string> notes;
 };
+
+/// What is reported of a chunk that cannot be read to its end.
+ContainerDamage damage_of(const Chunk& chunk, const ContainerFile& file, const Refusal& why);
 
 /// Counts of topics and the range of times from those of the chunks, all of which have counts.
 void sum_counts(ContainerIndex& index);

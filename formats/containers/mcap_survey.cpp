@@ -27,7 +27,7 @@ class Survey {
         if (op == data_end || op == footer) return finish_run();
         if (op == chunk_record) {
           look_through_chunk(offset, std::min(length, size) + record_head);
-          if (!whole) return;  // the chunk reports it when it is read
+          if (!whole) return;  // reported for the chunk
         } else if (!whole) {
           throw Refusal(refusal_reason::truncated, "the file ends inside of a record");
         } else if (op == message_record) {
@@ -99,6 +99,11 @@ class Survey {
     }
     for (const StoredMessage& message : loaded_.messages) {
       count(chunk, message.topic, message.received_ns);
+    }
+    // Reported now: what is read later may pass over the chunk.
+    if (chunk.counts && damage) {
+      chunk.damaged = true;
+      opening_.index.damage.push_back(damage_of(chunk, *opening_.file, *damage));
     }
     if (chunk.counts) {
       opening_.index.chunks.push_back(std::move(chunk));

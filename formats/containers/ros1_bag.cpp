@@ -161,9 +161,13 @@ void look_through_chunk(Opening& bag, std::uint64_t offset, LoadedChunk& loaded)
     chunk.first_ns = std::min(chunk.first_ns, message.received_ns);
     chunk.last_ns = std::max(chunk.last_ns, message.received_ns);
   }
-  if (!loaded.messages.empty()) bag.index.chunks.push_back(std::move(chunk));
-  // A chunk with messages is read again, and its damage reported then.
   if (damage && loaded.messages.empty()) throw Refusal(*damage);
+  // Reported now: what is read later may pass over the chunk.
+  if (damage) {
+    chunk.damaged = true;
+    bag.index.damage.push_back(damage_of(chunk, *bag.file, *damage));
+  }
+  if (!loaded.messages.empty()) bag.index.chunks.push_back(std::move(chunk));
 }
 
 // The index is missing: every chunk is unpacked once to learn what it holds.

@@ -100,10 +100,13 @@ class UnpackedSource : public MessageSource {
  public:
   UnpackedSource(const fs::path& packed,
                  const std::function<std::unique_ptr<MessageSource>(const fs::path&)>& open)
-      : packed_(packed) {
-    const fs::path unpacked = folder_.path() / packed.stem();
-    if (auto damage = unpack_to(packed, unpacked)) damage_.push_back(std::move(*damage));
-    source_ = open(unpacked);
+      : packed_(packed), unpacked_(folder_.path() / packed.stem()) {
+    if (auto damage = unpack_to(packed, unpacked_)) damage_.push_back(std::move(*damage));
+    try {
+      source_ = open(unpacked_);
+    } catch (const Error& error) {
+      throw Error(error.fault(), damage_.empty() ? by_its_name(error.what()) : damage_[0].detail);
+    }
   }
 
   const std::vector<Topic>& topics() const override { return source_->topics(); }
@@ -119,15 +122,29 @@ class UnpackedSource : public MessageSource {
   std::uint64_t skip(std::uint64_t count) override { return source_->skip(count); }
   // Damage of the stream explains that of the file unpacked from it.
   const std::vector<ContainerDamage>& damage() const override {
-    return damage_.empty() ? source_->damage() : damage_;
+    if (!damage_.empty()) return damage_;
+    while (damage_inside_.size() < source_->damage().size()) {
+      const ContainerDamage& damage = source_->damage()[damage_inside_.size()];
+      damage_inside_.push_back({damage.reason, by_its_name(damage.detail)});
+    }
+    return damage_inside_;
   }
   std::vector<LogFile> files() const override { return {ContainerFile(packed_).log_file()}; }
   std::vector<std::string> notes() const override { return source_->notes(); }
 
  private:
+  // The temporary file is gone when its name is read.
+  std::string by_its_name(std::string text) const {
+    const std::size_t at = text.find(unpacked_.string());
+    return at == std::string::npos ? text
+                                   : text.replace(at, unpacked_.string().size(), packed_.string());
+  }
+
   fs::path packed_;
   TemporaryFolder folder_;
-  std::vector<ContainerDamage> damage_;
+  fs::path unpacked_;
+  std::vector<ContainerDamage> damage_;                 // of the stream
+  mutable std::vector<ContainerDamage> damage_inside_;  // of the file in it
   std::unique_ptr<MessageSource> source_;
 };
 

@@ -60,4 +60,39 @@ inline std::string pcap(const std::vector<std::string>& frames, std::uint32_t li
   return file;
 }
 
+inline std::string pcapng_block(std::uint32_t type,
+                                std::string body,
+                                std::endian order = std::endian::little) {
+  body.resize((body.size() + 3) / 4 * 4, '\0');
+  const auto size = static_cast<std::uint32_t>(body.size() + 12);
+  return Bytes(order).add<std::uint32_t>(type).add<std::uint32_t>(size).text() + body +
+         Bytes(order).add<std::uint32_t>(size).text();
+}
+
+/// A section of one Ethernet interface whose times are in ns.
+inline std::string pcapng_head(std::endian order = std::endian::little) {
+  const std::string section =
+      Bytes(order).add<std::uint32_t>(0x1A2B3C4D).add<std::uint32_t>(1).text();
+  const std::string interface =
+      Bytes(order).add<std::uint16_t>(1).add<std::uint16_t>(0).add<std::uint32_t>(0).text();
+  const std::string resolution = Bytes(order).add<std::uint16_t>(9).add<std::uint16_t>(1).text() +
+                                 std::string("\x09\x00\x00\x00", 4);
+  return pcapng_block(0x0A0D0D0A, section + std::string(8, '\xff'), order) +
+         pcapng_block(1, interface + resolution, order);
+}
+
+inline std::string pcapng_packet(const std::string& frame,
+                                 std::uint64_t ns,
+                                 std::endian order = std::endian::little) {
+  const auto size = static_cast<std::uint32_t>(frame.size());
+  const std::string head = Bytes(order)
+                               .add<std::uint32_t>(0)
+                               .add<std::uint32_t>(static_cast<std::uint32_t>(ns >> 32U))
+                               .add<std::uint32_t>(static_cast<std::uint32_t>(ns))
+                               .add<std::uint32_t>(size)
+                               .add<std::uint32_t>(size)
+                               .text();
+  return pcapng_block(6, head + frame, order);
+}
+
 }  // namespace kissmap::test

@@ -1,32 +1,133 @@
 // SPDX-License-Identifier: MIT
-// Containers cut at every hundredth of their length: every scan before the cut, and a word about
-// the rest, or an error.
+// Containers cut at every hundredth of their length: every scan that lies before the cut, and a
+// word about the rest, or an error where there is none. scans_before_cuts.py, which knows the
+// layouts and nothing of kissmap, says how many those are.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <sstream>
+
+#include "formats/packet_bag.hpp"
+#include "formats/sensors/velodyne_decoder.hpp"
 #include "formats/support.hpp"
 #include "kissmap/formats/scan_writer.hpp"
+#include "support/program.hpp"
 
 namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
+using test::Bytes;
 using test::read_all;
 using test::scan_of;
 using test::TempDir;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+constexpr int scan_count = 60;
+
+/// So many scans have to come out of a cut file, and no more than that.
+struct Bounds {
+  std::size_t least = 0, most = 0;
+};
+
+std::vector<Bounds> bounds_by_python(const fs::path& file, const std::string& topic) {
+  const ProgramResult counted = run_program(
+      {KISSMAP_TEST_PYTHON, "-I", KISSMAP_TEST_SOURCES "/scans_before_cuts.py", file, topic});
+  if (counted.exit_code != 0) throw std::runtime_error(counted.err);
+  std::istringstream text(counted.out);
+  std::vector<Bounds> bounds;
+  for (Bounds b; text >> b.least >> b.most;) bounds.push_back(b);
+  return bounds;
 }
 
-Scan scan_number(int k) {
+void expect_same(const Scan& scan, const Scan& expected) {
+  EXPECT_EQ(scan.stamp_ns, expected.stamp_ns);
+  EXPECT_TRUE(scan.points == expected.points);
+  EXPECT_TRUE(scan.intensities == expected.intensities);
+  EXPECT_TRUE(scan.time_offsets == expected.time_offsets);
+}
+
+/// What a cut file gives; nothing where it cannot be opened, which has to say why.
+std::optional<std::vector<LogEntry>> read_cut(const fs::path& cut) {
+  try {
+    return read_all(*open_log(cut));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.fault(), Fault::input);
+    EXPECT_THAT(error.what(), HasSubstr(cut.filename().string()));
+    EXPECT_THAT(error.what(),
+                AnyOf(HasSubstr("0 bytes"),
+                      HasSubstr("ends"),
+                      HasSubstr("damaged"),
+                      HasSubstr("no summary"),
+                      HasSubstr("no index")));
+    return std::nullopt;
+  }
+}
+
+/// Takes the refused scan at the end, which tells of the cut.
+void take_warning(const fs::path& cut, std::vector<LogEntry>& entries, bool complete) {
+  ASSERT_FALSE(entries.empty());
+  if (std::holds_alternative<RefusedScan>(entries.back().content)) {
+    const RefusedScan& refused = test::refusal_of(entries.back());
+    EXPECT_THAT(refused.reason, AnyOf("truncated file", "broken content", "wrong file size"));
+    EXPECT_THAT(refused.detail, HasSubstr(cut.filename().string()));
+    entries.pop_back();
+    return;
+  }
+  // Where only tables at the end are gone, and no scan is, a note says so.
+  EXPECT_TRUE(complete);
+  EXPECT_THAT(open_log(cut)->info().notes,
+              testing::Contains(AnyOf(HasSubstr("no summary"), HasSubstr("no index"))));
+}
+
+/// `expected(n)`: the scans of the first n messages.
+void expect_scans_before_cuts(const fs::path& file,
+                              const std::string& topic,
+                              std::size_t messages,
+                              const std::function<std::vector<Scan>(std::size_t)>& expected) {
+  const std::vector<Bounds> bounds = bounds_by_python(file, topic);
+  ASSERT_EQ(bounds.size(), 100U);
+  EXPECT_GT(bounds[99].least, messages / 2);  // so there is something to read
+  const std::string content = file_text(file);
+  const TempDir dir;
+  for (std::size_t percent = 0; percent < 100; ++percent) {
+    SCOPED_TRACE(file.filename().string() + " cut at " + std::to_string(percent) + " %");
+    const fs::path cut = dir.write("cut_" + file.filename().string(),
+                                   content.substr(0, content.size() * percent / 100));
+    auto entries = read_cut(cut);
+    if (!entries) {
+      EXPECT_EQ(bounds[percent].least, 0U);
+      continue;
+    }
+    take_warning(cut, *entries, bounds[percent].least == messages);
+    EXPECT_GE(entries->size(), expected(bounds[percent].least).size());
+    const std::vector<Scan> most = expected(bounds[percent].most);
+    ASSERT_LE(entries->size(), most.size());
+    for (std::size_t i = 0; i < entries->size(); ++i) expect_same(scan_of((*entries)[i]), most[i]);
+  }
+}
+
+/// Where a message is a scan.
+void expect_scans_before_cuts(const fs::path& file,
+                              const std::string& topic,
+                              std::size_t messages) {
+  std::vector<Scan> whole;
+  for (const LogEntry& entry : read_all(*open_log(file))) whole.push_back(scan_of(entry));
+  ASSERT_EQ(whole.size(), messages);
+  expect_scans_before_cuts(file, topic, messages, [&](std::size_t n) {
+    return std::vector<Scan>(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(n));
+  });
+}
+
+Scan scan_number(int k, int points = 2'000) {
   Scan scan;
-  scan.stamp_ns = 1'700'000'000'000'000'000 + std::int64_t{k} * 100'000'000;
+  scan.stamp_ns = 1'700'000'000'000'000'000 + std::int64_t{k} * 1'000'000'000;
   std::uint32_t noise = static_cast<std::uint32_t>(k) + 1;
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < points; ++i) {
     noise = noise * 1664525U + 1013904223U;  // does not pack well: chunks are several
     scan.points.emplace_back(1.0F + static_cast<float>(noise >> 12U) * 1e-4F,
                              static_cast<float>(i),
@@ -35,130 +136,137 @@ Scan scan_number(int k) {
   return scan;
 }
 
-void expect_same(const LogEntry& got, const LogEntry& expected) {
-  const Scan& a = scan_of(got);
-  const Scan& b = scan_of(expected);
-  EXPECT_EQ(a.stamp_ns, b.stamp_ns);
-  EXPECT_TRUE(a.points == b.points);
-}
-
-/// Reads a file cut at every hundredth. Returns how many of the cuts gave scans.
-int expect_prefixes(const fs::path& file, const std::string& name) {
-  const std::vector<LogEntry> whole = read_all(*open_log(file));
-  const std::string content = content_of(file);
-  const TempDir dir;
-  int with_scans = 0;
-  for (std::size_t percent = 0; percent < 100; ++percent) {
-    const fs::path cut = dir.write(name, content.substr(0, content.size() * percent / 100));
-    std::vector<LogEntry> entries;
-    try {
-      entries = read_all(*open_log(cut));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.fault(), Fault::input);
-      EXPECT_THAT(error.what(), HasSubstr(name));
-      continue;
+/// The same scans as binary PCD files, for the writers of others.
+fs::path write_folder(const TempDir& dir) {
+  for (int k = 0; k < scan_count; ++k) {
+    const Scan scan = scan_number(k);
+    Bytes points;
+    for (const Eigen::Vector3f& p : scan.points) {
+      points.add<float>(p.x()).add<float>(p.y()).add<float>(p.z());
     }
-    // The last entry tells of the cut.
-    EXPECT_TRUE(std::holds_alternative<RefusedScan>(entries.back().content)) << percent;
-    if (!std::holds_alternative<RefusedScan>(entries.back().content)) continue;
-    EXPECT_THAT(test::refusal_of(entries.back()).reason,
-                AnyOf("truncated file", "broken content", "wrong file size"));
-    entries.pop_back();
-    EXPECT_LE(entries.size(), whole.size());
-    for (std::size_t i = 0; i < entries.size(); ++i) expect_same(entries[i], whole[i]);
-    with_scans += entries.empty() ? 0 : 1;
-    // Scans are spread evenly: most of what was before the cut is there.
-    EXPECT_GE(entries.size() + whole.size() / 3 + 1, whole.size() * percent / 100) << percent;
+    const std::string count = std::to_string(scan.points.size());
+    dir.write("log/" + std::to_string(scan.stamp_ns / 1'000'000'000) + "_000000000.pcd",
+              "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + count +
+                  "\nHEIGHT 1\nPOINTS " + count + "\nDATA binary\n" + points.text());
   }
-  return with_scans;
+  return dir.path() / "log";
 }
 
-TEST(CutContainers, OfMcapGiveWhatCameBefore) {
+void run_writer(const char* script, const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{
+      KISSMAP_TEST_PYTHON, "-I", std::string(KISSMAP_CLIENT_SOURCES "/") + script};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  const ProgramResult written = run_program(command);
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+}
+
+class CutMcap : public testing::TestWithParam<const char*> {};
+
+TEST_P(CutMcap, OfAnotherWriterGivesWhatCameBefore) {
   const TempDir dir;
-  const fs::path file = dir.path() / "whole.mcap";
+  const fs::path file = dir.path() / "log.mcap";
+  run_writer("write_ros2_bag.py", {write_folder(dir), file, std::string("mcap-") + GetParam()});
+  expect_scans_before_cuts(file, "/points", scan_count);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms,
+                         CutMcap,
+                         testing::Values("none", "lz4", "zstd", "unchunked"),
+                         [](const auto& form) { return std::string(form.param); });
+
+TEST(CutContainers, OfOurMcapGiveWhatCameBefore) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "log.mcap";
   const auto writer = open_scan_writer(file, ScanFormat::mcap);
-  for (int k = 0; k < 60; ++k) writer->add(scan_number(k));
+  for (int k = 0; k < scan_count; ++k) writer->add(scan_number(k, 15'000));  // some chunks of 4 MB
   writer->finish();
-  EXPECT_GT(expect_prefixes(file, "cut.mcap"), 70);
+  expect_scans_before_cuts(file, "/points", scan_count);
+}
+
+class CutRos1Bags : public testing::TestWithParam<const char*> {};
+
+TEST_P(CutRos1Bags, GiveWhatCameBefore) {
+  const ProgramResult import =
+      run_program({KISSMAP_TEST_PYTHON, "-I", "-c", "import rosbag, nav_msgs.msg"});
+  if (import.exit_code != 0) GTEST_SKIP() << "needs rosbag (python3-rosbag): " << import.err;
+  const TempDir dir;
+  const fs::path file = dir.path() / "log.bag";
+  run_writer("write_ros1_bag.py", {write_folder(dir), file, GetParam(), "100000"});
+  expect_scans_before_cuts(file, "/points", scan_count);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms,
+                         CutRos1Bags,
+                         testing::Values("none", "bz2", "lz4"),
+                         [](const auto& form) { return std::string(form.param); });
+
+/// A third of the scans, in the first file of a split bag.
+fs::path write_db3(const TempDir& dir, const std::string& form) {
+  run_writer("write_ros2_bag.py", {write_folder(dir), dir.path() / "bag", form});
+  return dir.path() / "bag" / (form == "db3-file" ? "b_0.db3.zstd" : "b_0.db3");
+}
+
+class CutSqliteBags : public testing::TestWithParam<const char*> {};
+
+TEST_P(CutSqliteBags, GiveWhatSqliteStillReads) {
+  const TempDir dir;
+  expect_scans_before_cuts(write_db3(dir, GetParam()), "/points", scan_count / 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms,
+                         CutSqliteBags,
+                         testing::Values("db3", "db3-message", "db3-file"),
+                         [](const auto& form) {
+                           std::string name = form.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+TEST(CutContainers, PackedMcapGivesWhatCameBefore) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "log.mcap";
+  run_writer("write_ros2_bag.py", {write_folder(dir), file, "mcap-none"});
+  run_program({KISSMAP_TEST_PYTHON,
+               "-I",
+               "-c",
+               "import sys, zstandard; open(sys.argv[1] + '.zstd', 'wb').write("
+               "zstandard.compress(open(sys.argv[1], 'rb').read()))",
+               file});
+  expect_scans_before_cuts(file.string() + ".zstd", "/points", scan_count);
 }
 
 TEST(CutContainers, OfARecordedBagGiveWhatCameBefore) {
   const char* data = std::getenv("KISSMAP_TEST_DATA");
   if (data == nullptr) GTEST_SKIP() << "needs the recordings";
-  EXPECT_GT(expect_prefixes(fs::path(data) / "pointcloud2" / "hku1_60_pc2_lz4.bag", "cut.bag"), 70);
+  const fs::path file = fs::path(data) / "pointcloud2" / "hku1_60_pc2_lz4.bag";
+  expect_scans_before_cuts(file, open_log(file)->info().topics.at(0).name, 60);
 }
 
+// Packets, of which the last sweep is begun.
 TEST(CutContainers, OfARecordedSqliteBagGiveWhatCameBefore) {
   const char* data = std::getenv("KISSMAP_TEST_DATA");
   if (data == nullptr) GTEST_SKIP() << "needs the recordings";
-  const fs::path bag = fs::path(data) / "packets/velodyne/vlp16/1673400471837873222";
-  const fs::path file = bag / "1673400471837873222_0.db3";
-  const std::size_t whole = read_all(*open_log(file)).size();
-  const std::string content = content_of(file);
-  const TempDir dir;
-  int with_scans = 0;
-  for (std::size_t percent = 0; percent < 100; ++percent) {
-    const fs::path cut = dir.write("cut.db3", content.substr(0, content.size() * percent / 100));
-    try {
-      const auto entries = read_all(*open_log(cut));
-      EXPECT_TRUE(std::holds_alternative<RefusedScan>(entries.back().content)) << percent;
-      EXPECT_LE(entries.size(), whole + 1);
-      with_scans += entries.size() > 1 ? 1 : 0;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.fault(), Fault::input);
-      EXPECT_THAT(error.what(), HasSubstr("cut.db3"));
+  const fs::path file =
+      fs::path(data) / "packets/velodyne/vlp16/1673400471837873222" / "1673400471837873222_0.db3";
+  const auto log = open_log(file);
+  const LogTopic& topic = log->info().topics.at(0);
+  expect_scans_before_cuts(file, topic.name, *topic.message_count, [&](std::size_t messages) {
+    const auto decoder = make_velodyne_decoder();
+    for (const auto& packet : test::read_packet_bag(file, messages)) {
+      decoder->add(packet.payload, packet.received_ns);
     }
-  }
-  EXPECT_GT(with_scans, 3);
-}
-
-/// Sweeps of a capture cut at every hundredth: those before the cut, the last of them begun.
-void expect_sweeps_before_cuts(const fs::path& capture, const fs::path& metadata = {}) {
-  const auto whole = read_all(*open_log(capture));
-  const std::string content = content_of(capture);
-  const TempDir dir;
-  if (!metadata.empty()) dir.write("cut.json", content_of(metadata));
-  std::size_t most = 0;
-  for (std::size_t percent = 0; percent < 100; ++percent) {
-    const fs::path cut = dir.write("cut.pcap", content.substr(0, content.size() * percent / 100));
-    std::vector<LogEntry> entries;
-    try {
-      entries = read_all(*open_log(cut));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.fault(), Fault::input);
-      EXPECT_THAT(error.what(), HasSubstr("cut.pcap"));
-      continue;
-    }
-    // A cut between two packets cannot be told from the end of the recording.
-    if (std::holds_alternative<RefusedScan>(entries.back().content)) {
-      EXPECT_EQ(test::refusal_of(entries.back()).reason, "truncated file");
-      entries.pop_back();
-    }
-    ASSERT_LE(entries.size(), whole.size());
-    for (std::size_t i = 0; i + 1 < entries.size(); ++i) expect_same(entries[i], whole[i]);
-    most = std::max(most, entries.size());
-    if (entries.empty()) continue;
-    const auto& begun = scan_of(entries.back()).points;
-    const auto& expected = scan_of(whole[entries.size() - 1]).points;
-    ASSERT_LE(begun.size(), expected.size()) << percent;
-  }
-  EXPECT_EQ(most, whole.size());
-}
-
-TEST(CutContainers, OfACaptureGiveTheSweepsBefore) {
-  const char* data = std::getenv("KISSMAP_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "needs the recordings";
-  const fs::path packets = fs::path(data) / "packets";
-  expect_sweeps_before_cuts(packets / "velodyne/sample_velodyne_hdl32.pcap");
-  expect_sweeps_before_cuts(packets / "ouster/OS-1-128_v2.3.0_1024x10_lb_n3.pcap",
-                            packets / "ouster/OS-1-128_v2.3.0_1024x10.json");
+    decoder->finish();
+    std::vector<Scan> sweeps;
+    while (auto scan = decoder->take()) sweeps.push_back(std::move(*scan));
+    return sweeps;
+  });
 }
 
 TEST(Containers, PassOverScansWithoutReadingThem) {
   const TempDir dir;
   const fs::path file = dir.path() / "whole.mcap";
   const auto writer = open_scan_writer(file, ScanFormat::mcap);
-  for (int k = 0; k < 60; ++k) writer->add(scan_number(k));
+  for (int k = 0; k < scan_count; ++k) writer->add(scan_number(k));
   writer->finish();
   for (const std::size_t first : {1U, 2U, 17U, 42U, 59U}) {
     const auto log = open_log(file);

@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "formats/lvx_bytes.hpp"
 #include "formats/support.hpp"
 
 namespace kissmap {
@@ -20,27 +21,9 @@ using testing::HasSubstr;
 
 constexpr std::int64_t start_ns = 5'000'000'000;
 
-std::string header(int minor, float yaw, float x, bool enabled = true) {
-  std::string text = "livox_tech" + std::string(6, '\0');
-  Bytes bytes;
-  bytes.add<std::uint8_t>(1)
-      .add<std::uint8_t>(static_cast<std::uint8_t>(minor))
-      .add<std::uint16_t>(0);
-  bytes.add<std::uint32_t>(0xAC0EA767);
-  if (minor > 0) bytes.add<std::uint32_t>(50);
-  bytes.add<std::uint8_t>(1);
-  bytes.pad(32).add<std::uint8_t>(0).add<std::uint8_t>(7);
-  if (minor > 0) bytes.add<std::uint8_t>(enabled ? 1 : 0);
-  bytes.add<float>(0).add<float>(0).add<float>(yaw).add<float>(x).add<float>(0).add<float>(0);
-  return text + bytes.text();
-}
-
 // 96 points of type 2: shot i at (1000 + i, 2000, 3000) mm.
 std::string packet(std::int64_t time_ns, std::uint8_t type = 2) {
-  Bytes bytes;
-  bytes.add<std::uint8_t>(0).pad(4).add<std::uint32_t>(0).add<std::uint8_t>(0).add<std::uint8_t>(
-      type);
-  bytes.add<std::uint64_t>(static_cast<std::uint64_t>(time_ns));
+  Bytes bytes = test::lvx_packet_head(time_ns, type);
   for (std::int32_t i = 0; type == 2 && i < 96; ++i) {
     bytes.add<std::int32_t>(1000 + i).add<std::int32_t>(2000).add<std::int32_t>(3000);
     bytes.add<std::uint8_t>(static_cast<std::uint8_t>(i)).add<std::uint8_t>(0);
@@ -51,17 +34,11 @@ std::string packet(std::int64_t time_ns, std::uint8_t type = 2) {
 
 // Ten frames of 50 ms with two packets and one of the inertial sensor.
 std::string lvx(int minor, float yaw = 0, float x = 0, bool enabled = true, std::uint8_t type = 2) {
-  std::string file = header(minor, yaw, x, enabled);
+  std::string file = test::lvx_header(minor, yaw, x, enabled);
   for (std::int64_t k = 0; k < 10; ++k) {
     const std::string body = packet(start_ns + k * 50'000'000, type) + packet(start_ns, 6) +
                              packet(start_ns + k * 50'000'000 + 49'000'000, type);
-    const std::size_t head = minor == 0 ? 32 : 24;
-    Bytes frame;
-    frame.add<std::uint64_t>(file.size());
-    frame.add<std::uint64_t>(k == 9 ? 0 : file.size() + head + body.size());
-    frame.add<std::uint64_t>(static_cast<std::uint64_t>(k));
-    if (minor == 0) frame.add<std::uint64_t>(3);
-    file += frame.text() + body;
+    file += test::lvx_frame(minor, file.size(), static_cast<std::uint64_t>(k), body, k == 9);
   }
   return file;
 }
@@ -93,24 +70,48 @@ TEST(Lvx, MountsOfSensorsAreAppliedWhereTheyAreEnabled) {
   EXPECT_EQ(scan_of(plain[0]).points[0], Eigen::Vector3f(1.0F, 2.0F, 3.0F));
 }
 
-TEST(Lvx, CutAnywhereGivesWhatCameBefore) {
+/// Packets of points that lie before the cut as a whole, by how lvx() puts them together.
+std::size_t whole_packets(std::size_t cut) {
+  const std::size_t points = packet(0).size();
+  const std::size_t inertial = packet(0, 6).size();
+  std::size_t at = test::lvx_header(1, 0, 0).size();
+  std::size_t count = 0;
+  for (int frame = 0; frame < 10; ++frame) {
+    at += 24;
+    if (at + points <= cut) ++count;
+    at += points + inertial;
+    if (at + points <= cut) ++count;
+    at += points;
+  }
+  return count;
+}
+
+TEST(Lvx, CutAnywhereGivesEveryPacketBefore) {
   const std::string whole = lvx(1);
   const TempDir dir;
   for (std::size_t percent = 0; percent < 100; ++percent) {
-    const fs::path file = dir.write("cut.lvx", whole.substr(0, whole.size() * percent / 100));
+    const std::size_t size = whole.size() * percent / 100;
+    const fs::path file = dir.write("cut.lvx", whole.substr(0, size));
     std::vector<LogEntry> entries;
     try {
       entries = read_all(*open_log(file));
     } catch (const Error& error) {
       EXPECT_EQ(error.fault(), Fault::input);
+      EXPECT_THAT(error.what(), HasSubstr("cut.lvx"));
+      EXPECT_EQ(whole_packets(size), 0U);
       continue;
     }
     ASSERT_FALSE(entries.empty());
-    const bool told = std::holds_alternative<RefusedScan>(entries.back().content);
-    // A cut between two frames looks like the end of the file.
-    EXPECT_TRUE(told || entries.size() < 6);
-    if (told) entries.pop_back();
-    for (const LogEntry& entry : entries) EXPECT_EQ(scan_of(entry).points[5].x(), 1.005F);
+    EXPECT_EQ(test::refusal_of(entries.back()).reason, "truncated file") << percent;
+    entries.pop_back();
+    std::size_t points = 0;
+    for (const LogEntry& entry : entries) {
+      for (const Eigen::Vector3f& point : scan_of(entry).points) {
+        const auto shot = static_cast<float>(points++ % 96);
+        ASSERT_LT((point - Eigen::Vector3f(1.0F + 1e-3F * shot, 2, 3)).norm(), 1e-6F);
+      }
+    }
+    EXPECT_EQ(points, whole_packets(size) * 96) << percent;
   }
 }
 

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -68,8 +69,11 @@ inline void append_packets(CdrBytes message, bool velodyne, std::vector<Recorded
   }
 }
 
-/// All packets of the only topic of a bag's file, in recorded order.
-inline std::vector<RecordedPacket> read_packet_bag(const std::filesystem::path& file) {
+/// All packets of the only topic of a bag's file, or those of its first messages, in recorded
+/// order.
+inline std::vector<RecordedPacket> read_packet_bag(
+    const std::filesystem::path& file,
+    std::size_t most_messages = std::numeric_limits<std::size_t>::max()) {
   sqlite3* opened = nullptr;
   const std::string address = "file:" + file.string() + "?immutable=1";
   const int open =
@@ -88,7 +92,7 @@ inline std::vector<RecordedPacket> read_packet_bag(const std::filesystem::path& 
   const std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> rows(prepared, sqlite3_finalize);
   constexpr std::size_t encapsulation = 4;
   std::vector<RecordedPacket> packets;
-  while (sqlite3_step(rows.get()) == SQLITE_ROW) {
+  for (; most_messages > 0 && sqlite3_step(rows.get()) == SQLITE_ROW; --most_messages) {
     const std::string type = reinterpret_cast<const char*>(sqlite3_column_text(rows.get(), 0));
     const auto* data = static_cast<const std::byte*>(sqlite3_column_blob(rows.get(), 1));
     const auto size = static_cast<std::size_t>(sqlite3_column_bytes(rows.get(), 1));

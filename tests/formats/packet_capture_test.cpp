@@ -145,44 +145,11 @@ TEST(PacketCapture, WhatIsNoDatagramIsCounted) {
   EXPECT_EQ(got.passed_over.cut_short, 1U);
 }
 
-std::string block(std::uint32_t type, std::string body, std::endian order) {
-  body.resize((body.size() + 3) / 4 * 4, '\0');
-  const auto size = static_cast<std::uint32_t>(body.size() + 12);
-  return Bytes(order).add<std::uint32_t>(type).add<std::uint32_t>(size).text() + body +
-         Bytes(order).add<std::uint32_t>(size).text();
-}
-
-std::string enhanced(const std::string& frame, std::uint64_t ticks, std::endian order) {
-  const auto size = static_cast<std::uint32_t>(frame.size());
-  return block(6,
-               Bytes(order)
-                       .add<std::uint32_t>(0)
-                       .add<std::uint32_t>(static_cast<std::uint32_t>(ticks >> 32U))
-                       .add<std::uint32_t>(static_cast<std::uint32_t>(ticks))
-                       .add<std::uint32_t>(size)
-                       .add<std::uint32_t>(size)
-                       .text() +
-                   frame,
-               order);
-}
-
 TEST(PacketCapture, NextGenerationInBothByteOrdersWithSections) {
   std::string file;
   for (const std::endian order : {std::endian::little, std::endian::big}) {
-    const std::string section =
-        block(0x0A0D0D0A,
-              Bytes(order).add<std::uint32_t>(0x1A2B3C4D).add<std::uint32_t>(1).text() +
-                  std::string(8, '\xff'),
-              order);
-    const std::string resolution = Bytes(order).add<std::uint16_t>(9).add<std::uint16_t>(1).text() +
-                                   std::string("\x09\x00\x00\x00", 4);
-    const std::string interface = block(
-        1,
-        Bytes(order).add<std::uint16_t>(1).add<std::uint16_t>(0).add<std::uint32_t>(0).text() +
-            resolution,
-        order);
-    file += section + interface + block(0x777, "whatever", order) +
-            enhanced(ethernet(ipv4(udp(2368, "ng"))), 1'700'000'000'000'000'007, order);
+    file += test::pcapng_head(order) + test::pcapng_block(0x777, "whatever", order) +
+            test::pcapng_packet(ethernet(ipv4(udp(2368, "ng"))), 1'700'000'000'000'000'007, order);
   }
   const Read got = read(file);
   EXPECT_THAT(got.payloads, ElementsAre("ng", "ng"));
