@@ -5,14 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "formats/clouds/refusal.hpp"
-#include "formats/containers/packet_capture.hpp"
+#include "formats/ouster_packets.hpp"
 #include "formats/sensors/ouster_packet.hpp"
 #include "formats/support.hpp"
-#include "support/program.hpp"
 
 namespace kissmap {
 namespace {
@@ -22,30 +20,11 @@ using nlohmann::json;
 using test::Bytes;
 using test::bytes_of;
 using test::error_of;
-using test::TempDir;
+using test::ouster_metadata_of;
+using test::small_ouster;
 using testing::HasSubstr;
 
 constexpr std::int64_t host_ns = 1'700'000'000'000'000'000;
-
-json small_metadata(const std::string& profile) {
-  std::vector<double> transform{-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1};
-  return {{"prod_line", "OS-1-2"},
-          {"lidar_mode", "1024x10"},
-          {"beam_altitude_angles", {0.0, 30.0}},
-          {"beam_azimuth_angles", {0.0, 90.0}},
-          {"lidar_origin_to_beam_origin_mm", 10.0},
-          {"lidar_to_sensor_transform", transform},
-          {"initialization_id", 77},
-          {"data_format",
-           {{"pixels_per_column", 2},
-            {"columns_per_packet", 16},
-            {"columns_per_frame", 1024},
-            {"udp_profile_lidar", profile}}}};
-}
-
-OusterMetadata metadata_of(const json& values) {
-  return read_ouster_metadata(values.dump(), "m.json");
-}
 
 // RNG19_RFL8_SIG16_NIR16: every pixel of column c at range_mm, signal c, in columns first, first +
 // 1 ...
@@ -78,7 +57,8 @@ std::vector<Scan> sweeps_of(PacketDecoder& decoder) {
 }
 
 TEST(OusterDecoder, PlacesPointsByTheManualsFormula) {
-  const auto decoder = make_ouster_decoder(metadata_of(small_metadata("RNG19_RFL8_SIG16_NIR16")));
+  const auto decoder =
+      make_ouster_decoder(ouster_metadata_of(small_ouster("RNG19_RFL8_SIG16_NIR16")));
   decoder->add(bytes_of(packet(3, 0, 5000)), host_ns);
   decoder->add(bytes_of(packet(3, 256, 5000)), host_ns);
   const auto sweeps = sweeps_of(*decoder);
@@ -100,7 +80,8 @@ TEST(OusterDecoder, PlacesPointsByTheManualsFormula) {
 }
 
 TEST(OusterDecoder, FramesWrapAndTakePacketsThatComeLate) {
-  const auto decoder = make_ouster_decoder(metadata_of(small_metadata("RNG19_RFL8_SIG16_NIR16")));
+  const auto decoder =
+      make_ouster_decoder(ouster_metadata_of(small_ouster("RNG19_RFL8_SIG16_NIR16")));
   decoder->add(bytes_of(packet(65535, 0, 5000)), host_ns);
   decoder->add(bytes_of(packet(0, 0, 5000)), host_ns);
   decoder->add(bytes_of(packet(65535, 16, 5000)), host_ns);
@@ -114,7 +95,8 @@ TEST(OusterDecoder, FramesWrapAndTakePacketsThatComeLate) {
 }
 
 TEST(OusterDecoder, OtherSessionsSizesAndInvalidColumnsAreLeftOut) {
-  const auto decoder = make_ouster_decoder(metadata_of(small_metadata("RNG19_RFL8_SIG16_NIR16")));
+  const auto decoder =
+      make_ouster_decoder(ouster_metadata_of(small_ouster("RNG19_RFL8_SIG16_NIR16")));
   decoder->add(bytes_of(packet(0, 0, 5000, 78)), host_ns);
   decoder->add(bytes_of(packet(0, 0, 5000).substr(1)), host_ns);
   decoder->add(bytes_of(packet(0, 1020, 5000)), host_ns);  // columns 1024 ... do not exist
@@ -127,7 +109,8 @@ TEST(OusterDecoder, OtherSessionsSizesAndInvalidColumnsAreLeftOut) {
 }
 
 TEST(OusterDecoder, AClockThatCountsFromPowerOnIsNotAStamp) {
-  const auto decoder = make_ouster_decoder(metadata_of(small_metadata("RNG19_RFL8_SIG16_NIR16")));
+  const auto decoder =
+      make_ouster_decoder(ouster_metadata_of(small_ouster("RNG19_RFL8_SIG16_NIR16")));
   const std::int64_t later = host_ns + 10 * 86'400'000'000'000;
   decoder->add(bytes_of(packet(0, 0, 5000)), later);
   const auto sweeps = sweeps_of(*decoder);
@@ -138,7 +121,7 @@ TEST(OusterDecoder, AClockThatCountsFromPowerOnIsNotAStamp) {
 
 TEST(OusterDecoder, UnknownProfilesAreRefusedByName) {
   try {
-    make_ouster_decoder(metadata_of(small_metadata("RNG99_ODD")));
+    make_ouster_decoder(ouster_metadata_of(small_ouster("RNG99_ODD")));
     ADD_FAILURE();
   } catch (const Refusal& refusal) {
     EXPECT_THAT(refusal.what(), HasSubstr("RNG99_ODD"));
@@ -153,9 +136,9 @@ TEST(OusterDecoder, HostilePayloadsDoNoHarm) {
                               "RNG15_RFL8_NIR8",
                               "RNG15_RFL8_NIR8_DUAL",
                               "FIVE_WORD_PIXEL"}) {
-    json values = small_metadata(profile);
+    json values = small_ouster(profile);
     values.erase("initialization_id");
-    const OusterMetadata about = metadata_of(values);
+    const OusterMetadata about = ouster_metadata_of(values);
     const auto decoder = make_ouster_decoder(about);
     const std::size_t size = OusterPackets(about).packet_bytes();
     for (std::size_t length = 0; length < size + 3; ++length) {
@@ -171,7 +154,7 @@ TEST(OusterDecoder, HostilePayloadsDoNoHarm) {
 }
 
 TEST(OusterMetadata, NestedLayoutIsTheSame) {
-  const json flat = small_metadata("RNG15_RFL8_NIR8");
+  const json flat = small_ouster("RNG15_RFL8_NIR8");
   json nested;
   nested["sensor_info"] = {{"prod_line", flat["prod_line"]}, {"initialization_id", 77}};
   nested["config_params"] = {{"lidar_mode", "1024x10"}, {"udp_port_lidar", 7502}};
@@ -181,8 +164,8 @@ TEST(OusterMetadata, NestedLayoutIsTheSame) {
       {"beam_azimuth_angles", flat["beam_azimuth_angles"]},
       {"lidar_origin_to_beam_origin_mm", flat["lidar_origin_to_beam_origin_mm"]}};
   nested["lidar_intrinsics"] = {{"lidar_to_sensor_transform", flat["lidar_to_sensor_transform"]}};
-  const OusterMetadata a = metadata_of(flat);
-  const OusterMetadata b = metadata_of(nested);
+  const OusterMetadata a = ouster_metadata_of(flat);
+  const OusterMetadata b = ouster_metadata_of(nested);
   EXPECT_EQ(a.product, b.product);
   EXPECT_EQ(b.profile, "RNG15_RFL8_NIR8");
   EXPECT_EQ(a.beams, b.beams);
@@ -200,9 +183,9 @@ TEST(OusterMetadata, ErrorsNameFileAndKey) {
     } else {
       values[key] = value;
     }
-    return error_of(Fault::input, [&] { metadata_of(values); });
+    return error_of(Fault::input, [&] { ouster_metadata_of(values); });
   };
-  const json good = small_metadata("LEGACY");
+  const json good = small_ouster("LEGACY");
   EXPECT_THAT(error(good, "beam_altitude_angles", nullptr),
               HasSubstr("'beam_altitude_angles' is missing"));
   EXPECT_THAT(error(good, "beam_azimuth_angles", {1.0}), HasSubstr("m.json"));
@@ -211,72 +194,6 @@ TEST(OusterMetadata, ErrorsNameFileAndKey) {
   EXPECT_THAT(error_of(Fault::input, [] { read_ouster_metadata("[1]", "m.json"); }),
               HasSubstr("no JSON"));
 }
-
-// Digests of the maker's own tool: MD5 of each field as an image, rows by beam.
-class Digests : public testing::TestWithParam<const char*> {};
-
-std::string md5(const TempDir& dir, const std::string& bytes) {
-  const ProgramResult result = run_program({"md5sum", dir.write("image", bytes).string()});
-  return result.out.substr(0, 32);
-}
-
-template <class T>
-std::string image_of(const std::vector<std::uint64_t>& values, std::uint64_t factor) {
-  Bytes bytes;
-  for (const std::uint64_t value : values) bytes.add<T>(static_cast<T>(value * factor));
-  return bytes.text();
-}
-
-TEST_P(Digests, OfEveryFieldAreEqual) {
-  const char* data = std::getenv("KISSMAP_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "needs the recordings";
-  const fs::path stem = fs::path(data) / "packets/ouster" / GetParam();
-  const auto text = [](const fs::path& file) { return file_text(file); };
-  const fs::path json_file = stem.string() + ".json";
-  const OusterMetadata about = read_ouster_metadata(text(json_file), json_file);
-  const OusterPackets packets(about);
-  const OusterProfile& profile = packets.profile();
-  const std::size_t width = about.columns_per_frame;
-  std::map<std::string, std::vector<std::uint64_t>> images;
-  const std::map<std::string, OusterField> fields{{"RANGE", profile.range[0]},
-                                                  {"SIGNAL", profile.signal[0]},
-                                                  {"REFLECTIVITY", profile.reflectivity[0]},
-                                                  {"NEAR_IR", profile.near_ir}};
-  for (const auto& [name, field] : fields) images[name].resize(about.beams * width);
-  images["TIMESTAMP"].resize(width);
-  PacketCapture capture(stem.string() + ".pcap");
-  Datagram datagram;
-  while (capture.next(datagram)) {
-    if (datagram.payload.size() != packets.packet_bytes()) continue;
-    for (std::size_t i = 0; i < about.columns_per_packet; ++i) {
-      const OusterColumn column = packets.column(datagram.payload, i);
-      images["TIMESTAMP"][column.measurement_id] = column.timestamp_ns;
-      for (const auto& [name, field] : fields) {
-        for (std::size_t beam = 0; beam < about.beams; ++beam) {
-          images[name][beam * width + column.measurement_id] = OusterPackets::read(
-              column.pixels.subspan(beam * profile.pixel_bytes, profile.pixel_bytes), field);
-        }
-      }
-    }
-  }
-  const TempDir dir;
-  const json digest = json::parse(text(stem.string() + "_digest.json"))["scans"][0];
-  const bool coarse = profile.range_step_mm == 8;
-  EXPECT_EQ(md5(dir, image_of<std::uint64_t>(images["TIMESTAMP"], 1)), digest["TIMESTAMP"]);
-  EXPECT_EQ(md5(dir, image_of<std::uint32_t>(images["RANGE"], profile.range_step_mm)),
-            digest["RANGE"]);
-  EXPECT_EQ(md5(dir, image_of<std::uint8_t>(images["REFLECTIVITY"], 1)), digest["REFLECTIVITY"]);
-  EXPECT_EQ(md5(dir, image_of<std::uint16_t>(images["NEAR_IR"], coarse ? 16 : 1)),
-            digest["NEAR_IR"]);
-  if (coarse) return;  // no signal
-  EXPECT_EQ(md5(dir, image_of<std::uint16_t>(images["SIGNAL"], 1)), digest["SIGNAL"]);
-}
-
-INSTANTIATE_TEST_SUITE_P(Recordings,
-                         Digests,
-                         testing::Values("OS-1-32-G_v2.1.1_1024x10",
-                                         "OS-2-128-U1_v2.3.0_1024x10",
-                                         "OS-0-128-U1_v2.3.0_1024x10"));
 
 // Three scans of one place, put together by the maker's poses, lie on each other.
 TEST(OusterRecording, ScansOfOnePlaceAgreeByTheirPoses) {
