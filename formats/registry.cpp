@@ -166,6 +166,9 @@ const LogFormat& format_of(const std::filesystem::path& path) {
                           " is damaged; give the log it was made from (see 'kissmap info'), or "
                           "make a pack with 'kissmap pack'");
   }
+  if (std::filesystem::is_regular_file(path, error) && std::filesystem::is_empty(path, error)) {
+    throw input_error(path, "has 0 bytes; copy it anew");
+  }
   const std::filesystem::directory_iterator listing(path, error);
   if (error && error != std::errc::not_a_directory) {
     throw input_error(path, "cannot be listed: " + error.message());
