@@ -16,7 +16,9 @@ inline constexpr int min_bin_columns = 3;
 inline constexpr int max_bin_columns = 64;
 
 /// Reads a headerless file of little-endian float32 rows: x y z, then intensity (4 columns: KITTI),
-/// ring (5: nuScenes), laser and time (6: Boreas); further columns are passed over.
+/// ring (5: nuScenes), laser and time (6: Boreas); further columns are passed over. Layouts:
+/// KITTI's odometry development kit, data_classes.py of nuscenes-devkit, DATA_REFERENCE.md of
+/// pyboreas.
 /// Throws Refusal when the size is no multiple of the row. The records point into `file`.
 PointRecords read_bin(std::span<const std::byte> file, int columns);
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-// KITTI odometry and SemanticKITTI: sequences/NN/{velodyne/*.bin, times.txt, calib.txt}.
+// KITTI odometry and SemanticKITTI: sequences/NN/{velodyne/*.bin, times.txt, calib.txt}. Layout:
+// readme.txt of the odometry development kit (cvlibs.net/datasets/kitti), the loaders of KISS-ICP
+// and pykitti; SemanticKITTI: semantic-kitti-api. The correction of 0.205 degrees: KISS-ICP,
+// CT-ICP.
 #include <algorithm>
 #include <charconv>
 #include <functional>

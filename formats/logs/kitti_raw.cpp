@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // KITTI raw data: DATE_drive_NNNN_{sync,extract}/velodyne_points/{data/*.bin, timestamps*.txt}.
+// Layout: readme.txt of the raw development kit (cvlibs.net/datasets/kitti), pykitti; times by
+// azimuth: the loader of KISS-ICP.
 #include <algorithm>
 #include <charconv>
 #include <utility>
