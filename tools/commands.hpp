@@ -71,10 +71,13 @@ struct EvalCommand {
   std::vector<std::filesystem::path> estimates;
   std::filesystem::path reference;
   std::filesystem::path times;        ///< stamps for trajectories that have none
+  std::string topic;                  ///< scene of a nuScenes reference
   std::filesystem::path calibration;  ///< calib.txt of KITTI: estimates of the LiDAR
   std::string mount;                  ///< of the LiDAR in the reference's frame
   double tolerance = 0.01;            ///< s
   double offset = 0.0;                ///< s
+  bool interpolate = false;
+  double max_gap = 0.25;  ///< s, of what is interpolated
   std::string align = "se3";
   std::vector<std::string> deltas;  ///< "1f", "10m", "0.5s"; empty: the default
   bool all_pairs = false;

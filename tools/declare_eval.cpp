@@ -9,9 +9,14 @@ namespace {
 void declare_inputs(CLI::App& command, EvalCommand& c) {
   command.add_option("ESTIMATE", c.estimates, "sessions or files: TUM, KITTI poses or EuRoC csv")
       ->required();
-  command.add_option("--reference", c.reference, "trajectory to compare with: file or session")
+  command
+      .add_option("--reference",
+                  c.reference,
+                  "trajectory to compare with: file, session, or the folder of nuScenes")
       ->required()
       ->type_name("FILE");
+  command.add_option("--topic", c.topic, "scene, where the reference is nuScenes")
+      ->type_name("SCENE");
   command
       .add_option("--times",
                   c.times,
@@ -27,16 +32,35 @@ void declare_inputs(CLI::App& command, EvalCommand& c) {
                   c.mount,
                   "the reference is not of the LiDAR: where the LiDAR sits in the frame it is of, "
                   "x,y,z,qx,qy,qz,qw [m] or newer-college-2020 (camera), newer-college-2021, "
-                  "oxford-spires (base)")
+                  "oxford-spires (base), hilti-2022 (handheld), hilti-2023-robot (IMU), nclt-hits "
+                  "(body)")
       ->type_name("POSE")
       ->excludes("--kitti-calib");
-  command
-      .add_option("--tolerance",
-                  c.tolerance,
-                  "stamps farther apart are no pair [s] (0.01); without stamps, pairs go by index")
-      ->type_name("S");
+}
+
+void declare_pairing(CLI::App& command, EvalCommand& c) {
+  CLI::Option* tolerance =
+      command
+          .add_option(
+              "--tolerance",
+              c.tolerance,
+              "stamps farther apart are no pair [s] (0.01); without stamps, pairs go by index")
+          ->type_name("S");
   command.add_option("--offset", c.offset, "added to the stamps of the estimates [s] (0)")
       ->type_name("S");
+  CLI::Option* interpolate =
+      command
+          .add_flag("--interpolate",
+                    c.interpolate,
+                    "pair each pose with the other trajectory at its very instant, between two "
+                    "poses, instead of the nearest one: the reference is interpolated, or the "
+                    "estimate if the reference has less than half as many poses a second")
+          ->excludes(tolerance);
+  command
+      .add_option(
+          "--max-gap", c.max_gap, "nothing is interpolated between poses farther apart [s] (0.25)")
+      ->type_name("S")
+      ->needs(interpolate);
 }
 
 void declare_measures(CLI::App& command, EvalCommand& c) {
@@ -73,6 +97,7 @@ CLI::App& declare_eval(CLI::App& app, EvalCommand& c) {
   CLI::App& command = *app.add_subcommand(
       "eval", "Compare trajectories with a reference: ATE, RPE and the KITTI error");
   declare_inputs(command, c);
+  declare_pairing(command, c);
   declare_measures(command, c);
   command.add_option("--json", c.json, "write all figures as JSON")->type_name("FILE");
   command.add_option("--csv", c.csv, "write all figures as a table, one a line")->type_name("FILE");

@@ -58,7 +58,7 @@ MapAlignment alignment_from(const std::string& name) {
 
 EvaluationOptions options_of(const EvalCommand& command) {
   EvaluationOptions options;
-  options.association = {command.tolerance, command.offset};
+  options.association = {command.tolerance, command.offset, command.interpolate, command.max_gap};
   options.alignment = alignment_from(command.align);
   options.pairs = command.all_pairs ? PairChoice::all : PairChoice::consecutive;
   if (!command.deltas.empty()) options.deltas.clear();
@@ -113,7 +113,7 @@ std::optional<Rigid3> reference_from_lidar(const EvalCommand& command) {
 EvaluationReport evaluate_all(const EvalCommand& command) {
   EvaluationReport report;
   report.options = options_of(command);
-  const TrajectoryFile reference = read_trajectory(command.reference, command.times);
+  const TrajectoryFile reference = read_trajectory(command.reference, command.times, command.topic);
   report.reference = summary_of(command.reference, reference);
   report.reference_poses = reference.trajectory.poses;
   const std::optional<Rigid3> mount = reference_from_lidar(command);

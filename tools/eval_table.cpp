@@ -103,6 +103,9 @@ std::string heading(const EvaluationReport& report) {
     lines += text("           %s pairs by %s",
                   with_commas(e.pairs.size()).c_str(),
                   e.pairs.by_stamp ? "stamp" : "index");
+    if (e.pairs.interpolated != PosePairs::Side::neither) {
+      lines += text(", %s interpolated,", to_string(e.pairs.interpolated).c_str());
+    }
     lines += text(" over %.3f m\n", e.distances.empty() ? 0.0 : e.distances.back());
   }
   lines += "aligned    " + to_string(report.options.alignment) + "\n\n";

@@ -2,9 +2,11 @@
 #include "formats/datasets/dataset_folder.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
+#include <cstdio>
 #include <utility>
 
+#include "formats/clouds/gather.hpp"
 #include "formats/clouds/refusal.hpp"
 #include "formats/clouds/scan_decoder.hpp"
 #include "formats/datasets/datasets.hpp"
@@ -40,6 +42,11 @@ std::unique_ptr<ScanLog> open_dataset(DatasetScans set, const ReadOptions& optio
     throw input_error(set.clouds, std::string("has no ") + set.extension + " files");
   }
   for (ScanFile& scan : content.scans) scan.stamp_ns = set.stamp_of(scan.path);
+  if (set.notes_of) {
+    for (std::string& note : set.notes_of(content.scans)) {
+      content.info.notes.push_back(std::move(note));
+    }
+  }
   const bool all_stamped =
       std::ranges::all_of(content.scans, [](const ScanFile& s) { return s.stamp_ns.has_value(); });
   if (all_stamped) std::ranges::stable_sort(content.scans, {}, &ScanFile::stamp_ns);
@@ -87,7 +94,11 @@ PointRecords with_column(const PointRecords& records,
   more.layout = records.layout;
   more.layout.fields.push_back({name, ScalarType::f32, records.bytes.size(), sizeof(float), 1});
   more.count = records.count;
-  const auto column = std::as_bytes(std::span(values));
+  std::vector<float> ordered = values;
+  if (records.layout.byte_order != std::endian::native) {
+    for (float& value : ordered) value = gather_detail::swapped(value);
+  }
+  const auto column = std::as_bytes(std::span(ordered));
   more.storage.reserve(records.bytes.size() + column.size());
   more.storage.assign(records.bytes.begin(), records.bytes.end());
   more.storage.insert(more.storage.end(), column.begin(), column.end());
@@ -108,6 +119,24 @@ std::vector<float> column_times(std::size_t points,
         static_cast<float>(static_cast<double>(column) / static_cast<double>(columns) * period));
   }
   return times;
+}
+
+fs::path folder_of(const fs::path& path) {
+  return fs::absolute(path / ".").lexically_normal().parent_path();
+}
+
+std::string mount_note(const std::string& frame, const Rigid3& frame_from_lidar) {
+  const Eigen::Vector3d& t = frame_from_lidar.translation;
+  const Eigen::Quaterniond& q = frame_from_lidar.rotation;
+  std::string text = "the LiDAR (x,y,z,qx,qy,qz,qw) in " + frame + ": ";
+  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) {
+    constexpr double step = 1e-9;  // what is smaller is rounding
+    char number[40];
+    std::snprintf(number, sizeof number, "%.9g,", step * std::round(value / step) + 0.0);
+    text += number;
+  }
+  text.pop_back();
+  return text;
 }
 
 bool has_stamped_files(const fs::path& folder, const char* extension) {

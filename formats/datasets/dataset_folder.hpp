@@ -10,6 +10,7 @@
 
 #include "formats/clouds/record_layout.hpp"
 #include "formats/logs/folder_log.hpp"
+#include "kissmap/geometry/rigid3.hpp"
 
 namespace kissmap {
 
@@ -27,6 +28,8 @@ struct DatasetScans {
   bool derived_times = false;  ///< times are computed here from the order of the points
   /// Stamp of a file; nothing: the scan is refused.
   std::function<std::optional<std::int64_t>(const std::filesystem::path&)> stamp_of;
+  /// What sizes and stamps of all files tell the user, before any is read; may be left out.
+  std::function<std::vector<std::string>(const std::vector<ScanFile>&)> notes_of;
   /// Bytes of a file, with its stamp -> points. Throws Refusal.
   std::function<PointRecords(std::span<const std::byte>, std::int64_t stamp_ns)> read;
 };
@@ -53,6 +56,12 @@ std::vector<float> column_times(std::size_t points,
                                 std::size_t rings,
                                 std::size_t columns,
                                 double period);
+
+/// The folder itself, absolute and without a slash at its end, so that it has a name and a parent.
+std::filesystem::path folder_of(const std::filesystem::path& path);
+
+/// One line that says where the LiDAR sits in `frame`, as `kissmap eval --mount` takes it.
+std::string mount_note(const std::string& frame, const Rigid3& frame_from_lidar);
 
 /// True if `folder` has a file with this extension whose stem is a stamp.
 bool has_stamped_files(const std::filesystem::path& folder, const char* extension);

@@ -63,10 +63,32 @@ constexpr std::int64_t last_short_stamp_ns = 1691936557946849179;
 constexpr std::size_t short_size = 25;
 constexpr std::size_t long_size = 29;
 
+std::size_t size_by_stamp(std::int64_t stamp_ns) {
+  return stamp_ns <= last_short_stamp_ns ? short_size : long_size;
+}
+
+/// The other size is taken where it alone divides the file.
+bool is_swapped(std::uint64_t bytes, std::int64_t stamp_ns) {
+  const std::size_t size = size_by_stamp(stamp_ns);
+  return bytes % size != 0 && bytes % (short_size + long_size - size) == 0;
+}
+
+std::vector<std::string> aeva_notes(const std::vector<ScanFile>& files) {
+  const auto swapped = [](const ScanFile& file) {
+    return file.stamp_ns && is_swapped(file.size_bytes, *file.stamp_ns);
+  };
+  const auto count = std::ranges::count_if(files, swapped);
+  if (count == 0) return {};
+  return {"take care: " + std::to_string(count) + " of " + std::to_string(files.size()) +
+          " files are no whole number of records of the size their stamp tells, but one of the "
+          "other size (25 or 29 bytes), which is taken; the first is " +
+          std::ranges::find_if(files, swapped)->name};
+}
+
 PointRecords read_aeva(std::span<const std::byte> bytes, std::int64_t stamp_ns) {
-  std::size_t size = stamp_ns <= last_short_stamp_ns ? short_size : long_size;
-  const std::size_t other = short_size + long_size - size;
-  if (bytes.size() % size != 0 && bytes.size() % other == 0) size = other;
+  const std::size_t usual = size_by_stamp(stamp_ns);
+  const bool swapped = is_swapped(bytes.size(), stamp_ns);
+  const std::size_t size = swapped ? short_size + long_size - usual : usual;
   return packed_records(bytes,
                         xyz_and({{"reflectivity", ScalarType::f32, 12, 0, 1},
                                  {"velocity", ScalarType::f32, 16, 0, 1},
@@ -118,6 +140,7 @@ std::unique_ptr<ScanLog> open_helipr(const fs::path& path, const ReadOptions& op
   set.compensation = Compensation::no;
   set.stamp_of = stamp_of_name;
   set.read = readers[sensor];
+  if (readers[sensor] == read_aeva) set.notes_of = aeva_notes;
   return open_dataset(std::move(set), options);
 }
 

@@ -4,6 +4,7 @@
 // 1, 6, 16, 25).
 #include "formats/datasets/dataset_folder.hpp"
 #include "formats/datasets/datasets.hpp"
+#include "formats/trajectories/dataset_poses.hpp"
 
 namespace kissmap {
 namespace {
@@ -14,10 +15,25 @@ constexpr std::size_t rings = 64;
 constexpr std::size_t columns = 1024;
 constexpr double period = 0.1;  // s
 
-fs::path clouds_of(const fs::path& path) {
+bool is_described(const fs::path& sequence) {
   std::error_code error;
+  return fs::exists(sequence / "global_pose.csv", error) ||
+         fs::exists(sequence / "data_stamp.csv", error);
+}
+
+/// The folder of scans a path stands for: itself, or the one in it.
+fs::path clouds_of(const fs::path& path) {
+  const fs::path given = folder_of(path);
+  std::error_code error;
+  if (given.filename() == "Ouster") {
+    const fs::path parent = given.parent_path();
+    const bool of_player = parent.filename() == "sensor_data";
+    return of_player || is_described(parent) ? path : fs::path();
+  }
   const fs::path player = path / "sensor_data" / "Ouster";
-  return fs::is_directory(player, error) ? player : path / "Ouster";
+  if (fs::is_directory(player, error)) return player;
+  // HeLiPR's sequences have a folder LiDAR/.
+  return is_described(path) && !fs::exists(path / "LiDAR", error) ? path / "Ouster" : fs::path();
 }
 
 // A scan that is not whole keeps its points, but nobody knows which columns are missing.
@@ -36,10 +52,8 @@ PointRecords read_scan(std::span<const std::byte> bytes, std::int64_t) {
 }  // namespace
 
 bool probe_mulran(const fs::path& path) {
-  std::error_code error;
-  return has_stamped_files(clouds_of(path), ".bin") && !fs::exists(path / "LiDAR", error) &&
-         (fs::exists(path / "global_pose.csv", error) ||
-          fs::exists(path / "data_stamp.csv", error) || fs::exists(path / "sensor_data", error));
+  const fs::path clouds = clouds_of(path);
+  return !clouds.empty() && has_stamped_files(clouds, ".bin");
 }
 
 std::unique_ptr<ScanLog> open_mulran(const fs::path& path, const ReadOptions& options) {
@@ -47,8 +61,13 @@ std::unique_ptr<ScanLog> open_mulran(const fs::path& path, const ReadOptions& op
   set.format = "mulran";
   set.path = path;
   set.clouds = clouds_of(path);
+  // Where the user says what it is, nothing has to lie beside it.
+  if (set.clouds.empty()) {
+    set.clouds = folder_of(path).filename() == "Ouster" ? path : path / "Ouster";
+  }
   set.sensor = "Ouster OS1-64";
-  set.notes = {"times follow from the columns of whole scans, 64 x 1024 points in 0.1 s"};
+  set.notes = {"times follow from the columns of whole scans, 64 x 1024 points in 0.1 s",
+               mount_note("the vehicle's base, by its paper", mulran_base_from_lidar())};
   set.stamp_instant = StampInstant::unknown;  // not documented; a constant shift does no harm
   set.compensation = Compensation::no;
   set.derived_times = true;

@@ -10,9 +10,11 @@
 
 #include "formats/clouds/refusal.hpp"
 #include "formats/containers/container_file.hpp"
+#include "formats/datasets/dataset_folder.hpp"
 #include "formats/datasets/datasets.hpp"
 #include "formats/sensors/sweep_builder.hpp"
 #include "kissmap/error.hpp"
+#include "kissmap/formats/trajectory_file.hpp"
 
 namespace kissmap {
 namespace {
@@ -48,7 +50,8 @@ class HitsLog : public ScanLog {
     info_.sensor = "Velodyne HDL-32E";
     info_.stamp_source = "packets";
     info_.fields = "x f32, y f32, z f32, intensity f32, time f32";
-    info_.notes = {"sweeps by azimuth, a point has the time of its packet, turned to z up"};
+    info_.notes = {"sweeps by azimuth, a point has the time of its packet, turned to z up",
+                   mount_note("the body, whose poses are the truth", mount_from("nclt-hits"))};
     info_.time_range = time_range();
   }
 

@@ -5,6 +5,7 @@
 #include "formats/clouds/pcd.hpp"
 #include "formats/datasets/dataset_folder.hpp"
 #include "formats/datasets/datasets.hpp"
+#include "kissmap/formats/trajectory_file.hpp"
 
 namespace kissmap {
 namespace {
@@ -45,7 +46,9 @@ std::unique_ptr<ScanLog> open_newer_college(const fs::path& path, const ReadOpti
   set.clouds = clouds_of(path);
   set.extension = ".pcd";
   set.sensor = "Ouster OS1-64";
-  set.notes = {"times follow from the columns of whole scans, 64 x 1024 points in 0.1 s"};
+  set.notes = {
+      "times follow from the columns of whole scans, 64 x 1024 points in 0.1 s",
+      mount_note("the left camera, whose poses are the truth", mount_from("newer-college-2020"))};
   set.compensation = Compensation::no;
   set.derived_times = true;
   set.stamp_of = stamp_of_name;

@@ -69,6 +69,7 @@ Json estimate_json(const EvaluatedTrajectory& estimate) {
   Json json = summary_json(estimate.about);
   json["pairs"] = e.pairs.size();
   json["paired_by"] = e.pairs.by_stamp ? "stamp" : "index";
+  json["interpolated"] = to_string(e.pairs.interpolated);
   json["reference_length_m"] = e.distances.empty() ? 0.0 : e.distances.back();
   json["reference_from_map"] = pose_json(e.reference_from_map);
   json["ate"] = pose_error_json(e.absolute_translation, e.absolute_rotation);
@@ -92,6 +93,8 @@ std::string evaluation_json(const EvaluationReport& report) {
   json["options"] = {
       {"tolerance_s", options.association.tolerance},
       {"offset_s", options.association.offset},
+      {"interpolate", options.association.interpolate},
+      {"max_gap_s", options.association.max_gap},
       {"align", to_string(options.alignment)},
       {"pairs", options.pairs == PairChoice::all ? "all" : "consecutive"},
       {"kitti_step_poses", options.kitti.step},

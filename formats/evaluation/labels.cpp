@@ -19,6 +19,18 @@ std::string to_string(MapAlignment alignment) {
   return "none";
 }
 
+std::string to_string(PosePairs::Side side) {
+  switch (side) {
+    case PosePairs::Side::reference:
+      return "reference";
+    case PosePairs::Side::estimate:
+      return "estimate";
+    case PosePairs::Side::neither:
+      break;
+  }
+  return "neither";
+}
+
 std::string to_string(const Delta& delta) {
   std::string text;
   append_number(text, delta.value);

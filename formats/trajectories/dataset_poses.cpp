@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Ground truth as data sets publish it. Layouts: file_player_mulran (issues 1 and 6: pose of the
 // vehicle's base), pyboreas DATA_REFERENCE.md, nclt2ros, the loaders of KISS-ICP, PIN-SLAM and
-// oxspires_tools.
+// oxspires_tools; CT-ICP and mola_input_paris_luco_dataset.
 #include "formats/trajectories/dataset_poses.hpp"
 
 #include <charconv>
@@ -58,15 +58,6 @@ Eigen::Matrix3d about(const Eigen::Vector3d& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-/// Where MulRan's Ouster sits on the vehicle (Kim et al., ICRA 2020).
-Rigid3 mulran_base_from_lidar() {
-  constexpr double degree = std::numbers::pi / 180.0;
-  const Eigen::Matrix3d rotation = about(Eigen::Vector3d::UnitZ(), 179.6654 * degree) *
-                                   about(Eigen::Vector3d::UnitY(), 0.0003 * degree) *
-                                   about(Eigen::Vector3d::UnitX(), 0.0001 * degree);
-  return {Eigen::Quaterniond(rotation), Eigen::Vector3d(1.7042, -0.021, 1.8047)};
-}
-
 PoseRow mulran_row(const Fields& fields) {
   static const Rigid3 base_from_lidar = mulran_base_from_lidar();
   const Rigid3 world_from_base = pose_of_rows(std::span(fields).subspan(1));
@@ -121,6 +112,23 @@ std::size_t columns_of(PoseLayout layout) {
 }
 
 }  // namespace
+
+std::vector<std::int64_t> paris_luco_stamps(std::size_t rows) {
+  std::vector<std::int64_t> stamps;
+  for (std::size_t k = 0; k < rows; ++k) {
+    stamps.push_back(static_cast<std::int64_t>(k) * paris_luco_period_ns +
+                     paris_luco_period_ns / 2);
+  }
+  return stamps;
+}
+
+Rigid3 mulran_base_from_lidar() {
+  constexpr double degree = std::numbers::pi / 180.0;
+  const Eigen::Matrix3d rotation = about(Eigen::Vector3d::UnitZ(), 179.6654 * degree) *
+                                   about(Eigen::Vector3d::UnitY(), 0.0003 * degree) *
+                                   about(Eigen::Vector3d::UnitX(), 0.0001 * degree);
+  return {Eigen::Quaterniond(rotation), Eigen::Vector3d(1.7042, -0.021, 1.8047)};
+}
 
 std::optional<PoseLayout> dataset_layout(const Fields& fields) {
   const std::size_t digits = is_whole_number(fields[0]) ? fields[0].size() : 0;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Mounts of data sets whose ground truth is not the LiDAR's. Sources: the loaders of KISS-ICP
-// (Newer College 2020), of PIN-SLAM (2021), and oxford_spires_dataset, configs/sensor.yaml.
+// (Newer College 2020), of PIN-SLAM (2021); oxford_spires_dataset, configs/sensor.yaml; CT-ICP
+// (Hilti 2022), hilti-slam-challenge-2023, extrinsics_robot.yaml (inverted here); CT-ICP and
+// nclt2ros (NCLT's body_from_velodyne, rpy 0.807, 0.166, -90.703 degrees, turned to z up on both
+// sides as the scans and the truth are).
 #include <array>
 #include <stdexcept>
 
@@ -17,10 +20,17 @@ struct Mount {
   double x, y, z;         // m
   double qx, qy, qz, qw;  // brought to unit length
 };
-constexpr std::array<Mount, 3> mounts{{
-    {"newer-college-2020", -0.084, -0.025, 0.05, 0.0, 0.0, 0.924, 0.383},  // of the left camera
-    {"newer-college-2021", 0.001, 0.0, 0.091, 0.0, 0.0, 0.0, 1.0},         // of the base
-    {"oxford-spires", 0.0, 0.0, 0.124, 0.0, 0.0, 1.0, 0.0},                // of the base
+constexpr std::array<Mount, 6> mounts{{
+    // In the left camera.
+    {"newer-college-2020", -0.084, -0.025, 0.05, 0.0, 0.0, 0.924, 0.383},
+    // In the base.
+    {"newer-college-2021", 0.001, 0.0, 0.091, 0.0, 0.0, 0.0, 1.0},
+    {"oxford-spires", 0.0, 0.0, 0.124, 0.0, 0.0, 1.0, 0.0},
+    // In the IMU.
+    {"hilti-2022", -0.001, -0.00855, 0.055, 0.7071068, -0.7071068, 0.0, 0.0},
+    {"hilti-2023-robot", 0.133723, -0.0113, 0.010894, 0.999836, -0.001775, 0.017505, 0.004306},
+    // In the body.
+    {"nclt-hits", 0.002, 0.004, 0.957, 0.00597961, 0.00399214, 0.71142021, 0.70273010},
 }};
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include <span>
 #include <stdexcept>
 
+#include "formats/datasets/nuscenes_tables.hpp"
 #include "formats/files/input_file.hpp"
 #include "formats/logs/kitti_calibration.hpp"
 #include "formats/logs/stamp_files.hpp"
 #include "formats/text/lines.hpp"
+#include "formats/trajectories/dataset_poses.hpp"
 #include "formats/trajectories/pose_reader.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/formats/session.hpp"
@@ -20,8 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* known_layouts =
     "known are TUM (stamp x y z qx qy qz qw), KITTI (12 numbers), EuRoC (ns,x,y,z,qw,qx,qy,qz), "
-    "positions (x y z or stamp x y z) and the ground truth of MulRan, HeLiPR, Boreas, NCLT, Newer College, Oxford Spires and "
-    "Apollo-SouthBay";
+    "positions (x y z or stamp x y z) and the ground truth of MulRan, HeLiPR, Boreas, NCLT, Newer "
+    "College, Oxford Spires, Apollo-SouthBay, Paris-Luco and nuScenes (its folder)";
+
+constexpr const char* nuscenes_format = "nuScenes";
 
 std::string at_line(std::size_t line) {
   return "line " + std::to_string(line) + ": ";
@@ -32,6 +36,18 @@ TrajectoryFile from_session(const fs::path& path) {
   for (const SessionScan& scan : read_session(path).scans) {
     file.trajectory.stamps_ns.push_back(scan.mapped.pose_stamp_ns);
     file.trajectory.poses.push_back(scan.mapped.map_from_lidar);
+  }
+  return file;
+}
+
+TrajectoryFile from_nuscenes(const fs::path& path, const std::string& topic) {
+  const fs::path tables = nuscenes_tables_of(path);
+  const NuscenesScene scene = read_nuscenes_scene(tables, topic);
+  if (scene.scans.empty()) throw input_error(tables, "the scene has no LIDAR_TOP files");
+  TrajectoryFile file{{}, nuscenes_format, 0};
+  file.trajectory.poses = read_nuscenes_poses(tables, scene);
+  for (const NuscenesScan& scan : scene.scans) {
+    file.trajectory.stamps_ns.push_back(scan.stamp_ns);
   }
   return file;
 }
@@ -105,15 +121,32 @@ void add_stamps(Trajectory& trajectory, const fs::path& path, const fs::path& ti
   }
 }
 
+TrajectoryFile from_folder(const fs::path& path, const std::string& topic) {
+  if (is_session(path)) return from_session(path);
+  if (has_nuscenes_tables(path)) return from_nuscenes(path, topic);
+  throw input_error(path, "is a folder but no session; name the file of a trajectory in it");
+}
+
+bool is_paris_luco(const fs::path& path, const Trajectory& trajectory) {
+  return path.filename() == paris_luco_truth && trajectory.positions_only &&
+         !trajectory.has_stamps();
+}
+
 }  // namespace
 
-TrajectoryFile read_trajectory(const fs::path& path, const fs::path& times) {
+TrajectoryFile read_trajectory(const fs::path& path,
+                               const fs::path& times,
+                               const std::string& topic) {
   std::error_code ignored;  // what cannot be looked at cannot be opened either, which says why
   const bool folder = fs::is_directory(path, ignored);
-  if (folder && !is_session(path)) {
-    throw input_error(path, "is a folder but no session; name the file of a trajectory in it");
+  TrajectoryFile file = folder ? from_folder(path, topic) : from_text(path);
+  if (!topic.empty() && file.format != nuscenes_format) {
+    throw usage_error("--topic " + topic + ": " + path.string() + " has no scenes to choose from");
   }
-  TrajectoryFile file = folder ? from_session(path) : from_text(path);
+  if (times.empty() && is_paris_luco(path, file.trajectory)) {
+    file.format = "Paris-Luco";
+    file.trajectory.stamps_ns = paris_luco_stamps(file.trajectory.size());
+  }
   if (!times.empty() && !file.trajectory.has_stamps()) add_stamps(file.trajectory, path, times);
   try {
     require_valid(file.trajectory);

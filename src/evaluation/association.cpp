@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "kissmap/error.hpp"
@@ -56,10 +58,17 @@ Error nothing_in_common(const Seconds& reference,
   std::string message = "no pose belongs to one of the reference: the stamps go from " +
                         span_of(estimate) + ", those of the reference from " + span_of(reference);
   char text[160];
-  if (overlap) {
+  if (overlap && options.interpolate) {
     std::snprintf(text,
                   sizeof text,
-                  "; they overlap, but no two are within %g s: raise the tolerance",
+                  "; they overlap, but none lies between two that are within %g s: raise the "
+                  "maximum gap",
+                  options.max_gap);
+  } else if (overlap) {
+    std::snprintf(text,
+                  sizeof text,
+                  "; they overlap, but no two are within %g s: interpolate, or raise the "
+                  "tolerance",
                   options.tolerance);
   } else {
     std::snprintf(text,
@@ -116,11 +125,82 @@ PosePairs pair_by_stamp(const Trajectory& reference,
       seconds_from(reference.stamps_ns), seconds_from(estimate.stamps_ns), options);
 }
 
+// Holds every stamp with an offset exactly.
+using Nanoseconds = long double;
+
+struct Interpolation {
+  Rigid3 pose;
+  std::size_t before = 0;
+};
+
+std::optional<Interpolation> pose_at(const Trajectory& trajectory,
+                                     Nanoseconds time,
+                                     Nanoseconds max_gap) {
+  const Stamps& stamps = trajectory.stamps_ns;
+  const auto found = std::ranges::lower_bound(
+      stamps, time, {}, [](std::int64_t stamp) { return static_cast<Nanoseconds>(stamp); });
+  if (found == stamps.end()) return std::nullopt;
+  const auto after = static_cast<std::size_t>(found - stamps.begin());
+  if (static_cast<Nanoseconds>(*found) == time) {
+    return Interpolation{trajectory.poses[after], after};
+  }
+  if (after == 0) return std::nullopt;
+  const std::size_t before = after - 1;
+  const auto gap = static_cast<Nanoseconds>(stamps[after] - stamps[before]);
+  if (gap > max_gap) return std::nullopt;
+  const Rigid3& start = trajectory.poses[before];
+  const auto part = static_cast<double>((time - static_cast<Nanoseconds>(stamps[before])) / gap);
+  const Twist motion = part * log(start.inverse() * trajectory.poses[after]);
+  return Interpolation{start * exp(motion), before};
+}
+
+/// Infinite for a single instant.
+double median_step(const Stamps& stamps_ns) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps_ns.size(); ++i) {
+    if (stamps_ns[i] == stamps_ns[i - 1]) continue;
+    steps.push_back(static_cast<double>(stamps_ns[i] - stamps_ns[i - 1]));
+  }
+  if (steps.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return *middle;
+}
+
+PosePairs pair_by_interpolation(const Trajectory& reference,
+                                const Trajectory& estimate,
+                                const AssociationOptions& options) {
+  const bool in_estimate = median_step(reference.stamps_ns) > 2.0 * median_step(estimate.stamps_ns);
+  const Trajectory& given = in_estimate ? reference : estimate;
+  const auto in_ns = [](double seconds) {
+    return std::round(static_cast<Nanoseconds>(seconds) * 1e9L);
+  };
+  const Nanoseconds offset = in_ns(in_estimate ? -options.offset : options.offset);
+  PosePairs pairs;
+  pairs.by_stamp = true;
+  pairs.interpolated = in_estimate ? PosePairs::Side::estimate : PosePairs::Side::reference;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const Nanoseconds time = static_cast<Nanoseconds>(given.stamps_ns[i]) + offset;
+    const auto found = pose_at(in_estimate ? estimate : reference, time, in_ns(options.max_gap));
+    if (!found) continue;
+    pairs.reference.push_back(in_estimate ? given.poses[i] : found->pose);
+    pairs.estimate.push_back(in_estimate ? found->pose : given.poses[i]);
+    pairs.reference_idx.push_back(in_estimate ? i : found->before);
+    pairs.estimate_idx.push_back(in_estimate ? found->before : i);
+    // Between stamps of the reference, so it fits.
+    pairs.stamps_ns.push_back(in_estimate ? given.stamps_ns[i] : static_cast<std::int64_t>(time));
+  }
+  if (pairs.size() > 0) return pairs;
+  throw nothing_in_common(
+      seconds_from(reference.stamps_ns), seconds_from(estimate.stamps_ns), options);
+}
+
 }  // namespace
 
 void require_valid(const AssociationOptions& options) {
   require_between("tolerance", options.tolerance, 0.0, max_tolerance);
   require_between("offset", options.offset, -max_offset, max_offset);
+  require_between("maximum gap", options.max_gap, 0.0, max_tolerance);
 }
 
 PosePairs associate(const Trajectory& reference,
@@ -133,8 +213,12 @@ PosePairs associate(const Trajectory& reference,
     throw Error(Fault::input, "a trajectory without poses cannot be compared");
   }
   const bool by_stamp = reference.has_stamps() && estimate.has_stamps();
-  PosePairs pairs = by_stamp ? pair_by_stamp(reference, estimate, options)
-                             : pair_by_index(reference, estimate);
+  if (options.interpolate && !by_stamp) {
+    throw Error(Fault::input, "to interpolate, both trajectories need stamps; name a file of them");
+  }
+  const auto pair = options.interpolate ? pair_by_interpolation : pair_by_stamp;
+  PosePairs pairs =
+      by_stamp ? pair(reference, estimate, options) : pair_by_index(reference, estimate);
   pairs.positions_only = reference.positions_only || estimate.positions_only;
   return pairs;
 }

@@ -131,6 +131,57 @@ TEST_F(ReadTrajectory, PositionsAreReadWithAndWithoutStamps) {
   EXPECT_FALSE(read_trajectory(file("1 0 0 0 0 0 0 1\n")).trajectory.positions_only);
 }
 
+// Frame k begins at k / 10 s, its middle is 0.05 s later; stamps of the user's own win.
+TEST_F(ReadTrajectory, ParisLucosPositionsHoldForTheMiddlesOfItsFrames) {
+  const std::string rows = "1 2 3\n4 5 6\n7 8 9\n";
+  const TrajectoryFile read = read_trajectory(file(rows, "gt_traj_lidar.txt"));
+  EXPECT_EQ(read.format, "Paris-Luco");
+  EXPECT_TRUE(read.trajectory.positions_only);
+  EXPECT_EQ(read.trajectory.stamps_ns,
+            (std::vector<std::int64_t>{50'000'000, 150'000'000, 250'000'000}));
+  const TrajectoryFile timed =
+      read_trajectory(file(rows, "gt_traj_lidar.txt"), file("5\n6\n7\n", "times"));
+  EXPECT_EQ(timed.trajectory.stamps_ns[2], 7'000'000'000);
+}
+
+TEST_F(ReadTrajectory, OnlyNuScenesHasScenes) {
+  try {
+    read_trajectory(file("1 2 3\n"), {}, "scene-0061");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.fault(), Fault::usage);
+    EXPECT_THAT(error.what(), HasSubstr("scene-0061"));
+  }
+}
+
+// Rotations as the data sets' documents have them, rows of a matrix.
+TEST(Mounts, OfHiltiAndNcltAreWhatTheirDocumentsSay) {
+  // imu_from_lidar of the handheld: x and y swapped and turned round, z down.
+  const Rigid3 handheld = mount_from("hilti-2022");
+  const Eigen::Vector3d seen = handheld * Eigen::Vector3d(1, 2, 3);
+  EXPECT_LT((seen - Eigen::Vector3d(-2 - 0.001, -1 - 0.00855, -3 + 0.055)).norm(), 1e-6);
+  // The robot's document has lidar_from_imu.
+  Eigen::Matrix<double, 3, 4> rows;
+  rows << 0.99938, -0.00340, 0.03502, -0.13406, -0.00370, -0.99996, 0.00855, -0.01090, 0.03499,
+      -0.00867, -0.99935, 0.00611;
+  const Rigid3 lidar_from_imu = Rigid3::from_matrix(rows);
+  EXPECT_THAT(lidar_from_imu * mount_from("hilti-2023-robot"), PoseNear(Rigid3{}, 1e-5, 1e-5));
+  // Body and Velodyne have z down; the reader turns both: a point d in the raw frames is diag(1,
+  // -1, -1) d in ours.
+  const auto degrees = [](double angle, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(angle * std::numbers::pi / 180.0, axis);
+  };
+  const Eigen::Matrix3d raw =
+      (degrees(-90.703, Eigen::Vector3d::UnitZ()) * degrees(0.166, Eigen::Vector3d::UnitY()) *
+       degrees(0.807, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  const Eigen::Vector3d d(3, -4, 5);
+  const Eigen::Vector3d raw_in_body = raw * d + Eigen::Vector3d(0.002, -0.004, -0.957);
+  const Eigen::Vector3d in_body = mount_from("nclt-hits") * Eigen::Vector3d(3, 4, -5);
+  EXPECT_LT((in_body - Eigen::Vector3d(raw_in_body.x(), -raw_in_body.y(), -raw_in_body.z())).norm(),
+            1e-6);
+}
+
 TEST(Mounts, AreNumbersOrTheNameOfADataSet) {
   const Rigid3 written = mount_from("1,2,3,0,0,1,0");
   EXPECT_EQ(written.translation, Eigen::Vector3d(1, 2, 3));

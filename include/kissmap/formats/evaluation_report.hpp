@@ -36,6 +36,9 @@ struct EvaluationReport {
 /// "se3", "yaw", "first" or "none".
 std::string to_string(MapAlignment alignment);
 
+/// "neither", "reference" or "estimate".
+std::string to_string(PosePairs::Side side);
+
 /// "1 frame", "0.5 s", "10 m".
 std::string to_string(const Delta& delta);
 

@@ -24,19 +24,23 @@ struct TrajectoryFile {
 /// - ground truth as published with MulRan (global_pose.csv, taken to the Ouster by its mount),
 ///   HeLiPR, Boreas (lidar_poses.csv), NCLT (turned to z up), Newer College and Oxford Spires (of
 ///   the camera or base they are given for, see mount_from) and Apollo-SouthBay
-/// - positions: x y z [m], or stamp [s] x y z, spaces between, without rotations (Paris-Luco's
-///   gt_traj_lidar.txt, control points)
+/// - nuScenes: the folder of the data set or of its tables; map_from_lidar of one scene's scans
+/// - positions: x y z [m], or stamp [s] x y z, spaces between, without rotations (control points).
+///   Those of Paris-Luco, known by the name gt_traj_lidar.txt, get the stamps of the middles of the
+///   frames' sweeps, 0.1 s each, as its reader counts them
 /// Blank lines and lines that begin with # are passed over. Rotations are brought to unit length;
 /// one that is off by more than a hundredth is an error, as is a stamp before that of the pose
 /// before. Poses with the same stamp are kept (published trajectories have such) and counted.
 /// `times` names a file with one stamp [s] a line for poses that have none; it is left alone if
-/// they have. Throws Error(input) naming file, line and cure. Not for files above 2 GiB.
+/// they have. `topic` names the scene where nuScenes has several. Throws Error(input) naming file,
+/// line and cure. Not for files above 2 GiB.
 TrajectoryFile read_trajectory(const std::filesystem::path& path,
-                               const std::filesystem::path& times = {});
+                               const std::filesystem::path& times = {},
+                               const std::string& topic = {});
 
 /// Where the LiDAR sits in the frame whose poses a reference holds, reference_from_lidar, from
 /// "x,y,z,qx,qy,qz,qw" [m] or the name of a data set: newer-college-2020, newer-college-2021,
-/// oxford-spires. Throws Error(usage).
+/// oxford-spires, hilti-2022, hilti-2023-robot, nclt-hits. Throws Error(usage).
 Rigid3 mount_from(const std::string& text);
 
 /// The pose of the LiDAR in camera 0, cam0_from_lidar, from a calib.txt of KITTI (line "Tr:").
