@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <cstdlib>
 #include <set>
 
@@ -10,6 +11,9 @@
 #include "kissmap/error.hpp"
 
 namespace kissmap {
+
+/// Messages read so far: of stored inputs there have to be some.
+inline std::uint64_t fuzz_messages = 0;
 
 /// Reads every message of the container that `open` opens, which has to come to an end.
 template <class Open>
@@ -23,6 +27,7 @@ void read_messages(Open open) {
     unsigned sum = 0;
     while (source->next(message)) {
       if (message.topic >= source->topics().size()) std::abort();
+      ++fuzz_messages;
       // Every byte has to be there.
       for (const std::byte byte : message.data) sum += std::to_integer<unsigned>(byte);
     }
