@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "kissmap/formats/surfel_spool.hpp"
+#include "kissmap/loop_closing/stretch.hpp"
 #include "kissmap/loop_closing/surface_links.hpp"
-#include "kissmap/mapping/stretch.hpp"
 
 namespace kissmap {
 
-/// Keeps the stretches of a run until their surfaces are linked: places in memory, surfels on the
-/// disk. Not thread safe.
+/// Keeps the stretches of a run until their surfaces are linked: places and links of scans in
+/// memory, surfels on the disk. Not thread safe.
 class StretchRecorder {
  public:
   StretchRecorder(const std::filesystem::path& folder, double min_range, double max_range)
@@ -22,7 +22,11 @@ class StretchRecorder {
 
   std::vector<SurfaceLink> link(std::span<const Rigid3> map_from_lidar, ThreadPool& pool) const {
     return link_surfaces(
-        places_, [this](std::size_t i) { return spool_.read(i); }, map_from_lidar, pool);
+        places_,
+        [this](std::size_t i) { return spool_.read(i); },
+        scan_links_,
+        map_from_lidar,
+        pool);
   }
 
  private:
@@ -30,11 +34,13 @@ class StretchRecorder {
     if (!stretch) return;
     places_.push_back(stretch->place);
     spool_.add(stretch->surfels);
+    scan_links_.insert(scan_links_.end(), stretch->scan_links.begin(), stretch->scan_links.end());
   }
 
   StretchBuilder builder_;
   SurfelSpool spool_;
   std::vector<StretchPlace> places_;
+  std::vector<SurfaceLink> scan_links_;
 };
 
 }  // namespace kissmap

@@ -16,8 +16,10 @@ constexpr double min_outline_overlap = 0.3;
 constexpr ClosureValidationOptions neighbor_validation{0.05, 0.45, 0.01};
 constexpr std::size_t looks_per_local_map = 3;  // in each round of the second look
 constexpr int max_rounds = 5;
-// Of min_wall_agreement, for a closure where odometry expects it.
+// Of min_wall_agreement, for a closure where odometry expects it, and where it does not: storeys of
+// a garage that are alike but for the cars agree by up to 0.68.
 constexpr double expected_walls = 0.5;
+constexpr double unexpected_walls = 1.17;
 // A guess this far from the one tried is another.
 constexpr double other_translation = 1.0;  // m
 constexpr double other_rotation = 0.2;     // rad
@@ -127,9 +129,9 @@ bool LoopCloser::consider(const SurfelCloud& query,
 ClosureVerdict LoopCloser::weigh_against_drift(const Closure& closure) const {
   const bool fits = closure.verdict == ClosureVerdict::accepted;
   // Local maps that are bent themselves do not fit well even where they belong together.
+  const double walls = closure.wall_agreement / options_.validation.min_wall_agreement;
   const bool nearly_fits =
-      closure.verdict == ClosureVerdict::walls_disagree &&
-      closure.wall_agreement >= expected_walls * options_.validation.min_wall_agreement;
+      closure.verdict == ClosureVerdict::walls_disagree && walls >= expected_walls;
   if (!fits && !nearly_fits) return closure.verdict;
   const Rigid3 expected =
       map_from_local_map_[closure.reference_id].inverse() * map_from_local_map_[closure.query_id];
@@ -137,8 +139,8 @@ ClosureVerdict LoopCloser::weigh_against_drift(const Closure& closure) const {
   const double length =
       drift_length(graph(), path_lengths_, closure.reference_id, closure.query_id);
   if (fits && !within_drift(off, length)) return ClosureVerdict::beyond_drift;
-  if (nearly_fits && !is_expected(off, length)) return closure.verdict;
-  return ClosureVerdict::accepted;
+  if (is_expected(off, length)) return ClosureVerdict::accepted;
+  return walls >= unexpected_walls ? ClosureVerdict::accepted : ClosureVerdict::walls_disagree;
 }
 
 PoseGraph LoopCloser::graph() const {

@@ -16,9 +16,6 @@ constexpr std::size_t most_others = 6;
 constexpr std::size_t least_apart = 2;  // stretches between two that a third is linked to
 constexpr std::size_t samples = 900;    // surfels of the query
 constexpr double least_pairs = 0.3;     // share of the samples
-// What a registration is worth: as if this many of its pairs were independent, each this exact.
-constexpr double independent_pairs = 100.0;
-constexpr double sigma = 0.03;  // m
 // Of a link between visits, beyond which it is of another map than this.
 constexpr double farthest_off = 1.0;  // m
 constexpr double most_turned = 0.1;   // rad
@@ -68,13 +65,6 @@ std::vector<Pair> pairs_of(std::span<const StretchPlace> stretches,
   return pairs;
 }
 
-Information information_of(const SurfelAlignment& alignment) {
-  const double scale = independent_pairs / alignment.pairs / (sigma * sigma);
-  Information information = scale * 0.5 * (alignment.hessian + alignment.hessian.transpose());
-  information.diagonal().array() += 1e-6;  // never singular
-  return information;
-}
-
 bool agrees(const SurfaceLink& link, std::span<const Rigid3> map_from_lidar) {
   const Rigid3 off = link.reference_from_query.inverse() *
                      map_from_lidar[link.reference_scan].inverse() *
@@ -86,6 +76,7 @@ bool agrees(const SurfaceLink& link, std::span<const Rigid3> map_from_lidar) {
 
 std::vector<SurfaceLink> link_surfaces(std::span<const StretchPlace> stretches,
                                        const std::function<SurfelCloud(std::size_t)>& surfels,
+                                       std::span<const SurfaceLink> scan_links,
                                        std::span<const Rigid3> map_from_lidar,
                                        ThreadPool& pool) {
   const std::vector<Pair> pairs = pairs_of(stretches, map_from_lidar);
@@ -106,8 +97,11 @@ std::vector<SurfaceLink> link_surfaces(std::span<const StretchPlace> stretches,
           {to.middle_scan, from.middle_scan, fit.reference_from_query, information_of(fit)});
     }
   });
-  std::vector<SurfaceLink> links;
+  std::vector<SurfaceLink> links(scan_links.begin(), scan_links.end());
   for (const auto& part : found) links.insert(links.end(), part.begin(), part.end());
+  std::ranges::stable_sort(links, {}, [](const SurfaceLink& link) {
+    return std::pair(link.reference_scan, link.query_scan);
+  });
   return links;
 }
 

@@ -2,6 +2,7 @@
 #include "kissmap/loop_closing/surfel_registration.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -21,6 +22,16 @@ constexpr double coarseness = 3.0;      // coarse voxel over fine voxel
 constexpr double residual_scale = 0.3;  // of a voxel, of the kernel
 constexpr double damping = 1e-3;
 constexpr int min_pairs = 20;
+// What a registration is worth, see information_of().
+constexpr double independent_pairs = 100.0;
+constexpr double pair_sigma = 0.03;           // m
+constexpr double least_share_of_faces = 0.1;  // of the planes, that a direction needs
+
+/// A guess that is weighed beside the pairs.
+struct Prior {
+  Rigid3 reference_from_query;
+  Twist information;  ///< of each direction: 1 / variance
+};
 
 struct Sums {
   Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
@@ -58,8 +69,10 @@ Sums accumulate(const SurfelCloud& samples,
     const Eigen::Vector3d apart = moved - reference.surfels().means[match].cast<double>();
     if (apart.squaredNorm() > reach * reach) continue;
     const Eigen::Vector3d normal = reference.surfels().normals[match].cast<double>();
-    const Eigen::Vector3d own_normal = rotation * samples.normals[i].cast<double>();
-    if (std::abs(normal.dot(own_normal)) < static_cast<double>(min_normal_agreement)) continue;
+    if (!samples.normals.empty()) {
+      const Eigen::Vector3d own_normal = rotation * samples.normals[i].cast<double>();
+      if (std::abs(normal.dot(own_normal)) < static_cast<double>(min_normal_agreement)) continue;
+    }
     const double residual = normal.dot(apart);
     const double weight =
         scale * scale /
@@ -86,7 +99,8 @@ void refine(const SurfelCloud& samples,
             const SurfelMap& reference,
             double reach,
             int max_iterations,
-            SurfelAlignment& alignment) {
+            SurfelAlignment& alignment,
+            const Prior* prior = nullptr) {
   alignment.converged = false;
   for (int i = 0; i < max_iterations; ++i) {
     const Sums sums = accumulate(samples, reference, alignment.reference_from_query, reach);
@@ -100,7 +114,15 @@ void refine(const SurfelCloud& samples,
     Eigen::Matrix<double, 6, 6> damped = sums.hessian;
     damped.diagonal().head<3>().array() += damping * sums.hessian.diagonal().head<3>().mean();
     damped.diagonal().tail<3>().array() += damping * sums.hessian.diagonal().tail<3>().mean();
-    const Twist step = damped.ldlt().solve(-sums.gradient);
+    Twist gradient = sums.gradient;
+    if (prior != nullptr) {
+      const Twist weight =
+          sums.pairs * pair_sigma * pair_sigma / independent_pairs * prior->information;
+      damped.diagonal() += weight;
+      gradient += weight.cwiseProduct(
+          log(prior->reference_from_query.inverse() * alignment.reference_from_query));
+    }
+    const Twist step = damped.ldlt().solve(-gradient);
     if (!step.allFinite()) return;
     alignment.reference_from_query = alignment.reference_from_query * exp(step);
     if (step.head<3>().norm() < min_translation && step.tail<3>().norm() < min_rotation) {
@@ -197,6 +219,41 @@ SurfelAlignment register_nearby(const SurfelCloud& query,
   const double reach = std::numbers::sqrt3 * reference.voxel_size();
   refine(picked, reference, reach, max_iterations_fine, alignment);
   return alignment;
+}
+
+SurfelAlignment register_points(std::span<const Eigen::Vector3f> points_in_query,
+                                const SurfelMap& reference,
+                                const Rigid3& guess_reference_from_query,
+                                const GuessSigmas& sigmas) {
+  SurfelAlignment alignment;
+  alignment.reference_from_query = guess_reference_from_query;
+  SurfelCloud points;
+  points.means.assign(points_in_query.begin(), points_in_query.end());
+  alignment.samples = static_cast<int>(points.size());
+  Prior prior{guess_reference_from_query, Twist::Zero()};
+  prior.information.head<3>().setConstant(1.0 / (sigmas.metres * sigmas.metres));
+  prior.information.tail<3>().setConstant(1.0 / (sigmas.radians * sigmas.radians));
+  const double reach = std::numbers::sqrt3 * reference.voxel_size();
+  refine(points, reference, reach, max_iterations_fine, alignment, &prior);
+  return alignment;
+}
+
+Eigen::Matrix<double, 6, 6> information_of(const SurfelAlignment& alignment) {
+  Eigen::Matrix<double, 6, 6> hessian = 0.5 * (alignment.hessian + alignment.hessian.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> faces(
+      Eigen::Matrix3d(hessian.topLeftCorner<3, 3>()));
+  for (int i = 0; i < 3; ++i) {
+    if (faces.eigenvalues()(i) >= least_share_of_faces * alignment.pairs) continue;
+    Twist open = Twist::Zero();
+    open.head<3>() = faces.eigenvectors().col(i);
+    const Eigen::Matrix<double, 6, 6> others =
+        Eigen::Matrix<double, 6, 6>::Identity() - open * open.transpose();
+    hessian = others * hessian * others;
+  }
+  Eigen::Matrix<double, 6, 6> information =
+      independent_pairs / alignment.pairs / (pair_sigma * pair_sigma) * hessian;
+  information.diagonal().array() += 1e-6;  // never singular
+  return information;
 }
 
 double overlap(const SurfelCloud& query,

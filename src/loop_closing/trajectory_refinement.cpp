@@ -17,6 +17,10 @@ constexpr ClosureSigmas closure_sigmas{0.05, 0.004};
 constexpr ClosureSigmas neighbor_sigmas{0.05, 0.002};
 constexpr double far_reaching = 25.0;  // m
 
+// From scan to scan odometry pitches and rolls more than its drift over metres tells. Where
+// surfaces say how scans lie, it has as little to say as that.
+constexpr double scan_rotation_per_drift = 0.3;
+
 ClosureSigmas sigmas_of(const NeighborLink& neighbor) {
   const double share = std::min(1.0, neighbor.extent / far_reaching);
   return {neighbor_sigmas.metres / share, neighbor_sigmas.radians / (share * share)};
@@ -81,6 +85,14 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
               scans[query].local_map_from_lidar,
           information,
           EdgeKind::closure};
+}
+
+/// Of the edges from scan to scan, which come first.
+void loosen_rotations(std::size_t scans, PoseGraph& graph) {
+  for (std::size_t i = 0; i + 1 < scans; ++i) {
+    graph.edges[i].information.diagonal().tail<3>() *=
+        scan_rotation_per_drift * scan_rotation_per_drift;
+  }
 }
 
 void add_closures(std::span<const Closure> closures,
@@ -155,6 +167,7 @@ RefinedTrajectory refine_trajectory(std::span<const ScanPlace> scans,
   RefinedTrajectory refined{optimize(graph, options).map_from_node, map_from_local_map};
   if (!surfaces.empty()) {
     graph.map_from_node = std::move(refined.map_from_lidar);
+    loosen_rotations(scans.size(), graph);
     refined.map_from_lidar = fit_surfaces(std::move(graph), surfaces);
   }
   for (std::size_t id = 0; id < ranges.size(); ++id) {

@@ -45,10 +45,15 @@ class LoopTour {
     loops_.look_again();
     evidence_ = loops_.evidence();
     std::vector<StretchPlace> stretches;
-    for (const Stretch& stretch : stretches_) stretches.push_back(stretch.place);
+    std::vector<SurfaceLink> scan_links;
+    for (const Stretch& stretch : stretches_) {
+      stretches.push_back(stretch.place);
+      scan_links.insert(scan_links.end(), stretch.scan_links.begin(), stretch.scan_links.end());
+    }
     evidence_.surfaces = link_surfaces(
         stretches,
         [this](std::size_t i) { return stretches_[i].surfels; },
+        scan_links,
         correct_loops(places_, evidence_).map_from_lidar,
         pool_);
     correction_ = correct_loops(places_, evidence_);

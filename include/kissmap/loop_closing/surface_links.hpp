@@ -8,18 +8,11 @@
 
 #include "kissmap/geometry/rigid3.hpp"
 #include "kissmap/graph/pose_graph.hpp"
-#include "kissmap/mapping/stretch.hpp"
+#include "kissmap/loop_closing/stretch.hpp"
+#include "kissmap/loop_closing/surface_link.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
 
 namespace kissmap {
-
-/// Two stretches of the way the surfaces of which were registered to each other.
-struct SurfaceLink {
-  std::uint32_t reference_scan = 0;  ///< middle scan of the earlier stretch
-  std::uint32_t query_scan = 0;      ///< of the later one
-  Rigid3 reference_from_query;       ///< between the lidar frames of the two
-  Information information = Information::Zero();
-};
 
 /// Registers stretches to the ones around them, whether they came just before or belong to an
 /// earlier visit: each to the one before it, and to up to six others within a mean range, the
@@ -31,10 +24,11 @@ struct SurfaceLink {
 /// lies between them.
 ///
 /// `surfels(i)` gives back the surfels of stretch i; it is called several times for each, from
-/// several threads at once. Links ascend by reference, then by query. The same
-/// result for any number of threads.
+/// several threads at once. `scan_links` are those of all stretches, which become part of the
+/// result. Links ascend by reference, then by query. The same result for any number of threads.
 std::vector<SurfaceLink> link_surfaces(std::span<const StretchPlace> stretches,
                                        const std::function<SurfelCloud(std::size_t)>& surfels,
+                                       std::span<const SurfaceLink> scan_links,
                                        std::span<const Rigid3> map_from_lidar,
                                        ThreadPool& pool);
 

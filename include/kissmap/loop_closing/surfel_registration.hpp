@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kissmap/cloud/voxel.hpp"
@@ -83,6 +84,24 @@ SurfelAlignment register_nearby(const SurfelCloud& query,
                                 const SurfelMap& reference,
                                 const Rigid3& guess_reference_from_query,
                                 std::size_t samples);
+
+/// How well a guess is known, the same in all directions.
+struct GuessSigmas {
+  double metres = 0.0;
+  double radians = 0.0;
+};
+
+/// Points to the planes of the reference, which a guess has to lie within a voxel or so of. Where
+/// the planes leave a direction open, as along a corridor, the guess decides by its sigmas.
+SurfelAlignment register_points(std::span<const Eigen::Vector3f> points_in_query,
+                                const SurfelMap& reference,
+                                const Rigid3& guess_reference_from_query,
+                                const GuessSigmas& sigmas);
+
+/// What an alignment says as an edge of a graph: as if 100 of its pairs were independent and each
+/// known to 3 cm. Nothing about directions of translation that fewer than a tenth of the planes
+/// face: along a bare corridor these are voxels with an edge in them, whose normals are chance.
+Eigen::Matrix<double, 6, 6> information_of(const SurfelAlignment& alignment);
 
 /// Szymkiewicz-Simpson coefficient: voxels of the reference that hold a surfel of both maps, over
 /// the number of surfels of the smaller map, 0..1.

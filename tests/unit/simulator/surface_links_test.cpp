@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "kissmap/error.hpp"
 #include "kissmap/loop_closing/loop_correction.hpp"
+#include "kissmap/loop_closing/trajectory_refinement.hpp"
 #include "simulator/scenario.hpp"
 #include "simulator/simulator.hpp"
 
@@ -17,7 +19,8 @@ namespace {
 
 /// A drive through the office, with where it truly was.
 struct Drive {
-  std::vector<Rigid3> truth;  ///< map_from_lidar
+  std::vector<Rigid3> truth;     ///< map_from_lidar
+  std::vector<Rigid3> odometry;  ///< what the builder was told instead
   std::vector<Stretch> stretches;
 
   std::vector<StretchPlace> places() const {
@@ -25,14 +28,28 @@ struct Drive {
     for (const Stretch& stretch : stretches) found.push_back(stretch.place);
     return found;
   }
+  std::vector<SurfaceLink> scan_links() const {
+    std::vector<SurfaceLink> found;
+    for (const Stretch& stretch : stretches) {
+      found.insert(found.end(), stretch.scan_links.begin(), stretch.scan_links.end());
+    }
+    return found;
+  }
   std::vector<SurfaceLink> links(const std::vector<Rigid3>& map_from_lidar, int threads) const {
     ThreadPool pool(threads);
     return link_surfaces(
-        places(), [this](std::size_t i) { return stretches[i].surfels; }, map_from_lidar, pool);
+        places(),
+        [this](std::size_t i) { return stretches[i].surfels; },
+        scan_links(),
+        map_from_lidar,
+        pool);
   }
 };
 
-Drive drive(std::size_t scans) {
+/// `waver` [rad]: by how much the poses given to the builder are turned at random, each for itself.
+Drive drive(std::size_t scans, double waver = 0.0) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> turn(0.0, waver > 0.0 ? waver : 1.0);
   const Simulator simulator = make_simulator({"office", "spinning16", "robot", 1, scans, 300, 1.0});
   Drive made;
   StretchBuilder builder(0.5, 100.0);
@@ -48,6 +65,12 @@ Drive drive(std::size_t scans) {
     mapped.map_from_lidar = simulator.map_from_lidar(mapped.pose_stamp_ns);
     mapped.deskewed = true;
     made.truth.push_back(mapped.map_from_lidar);
+    if (waver > 0.0) {
+      Twist off = Twist::Zero();
+      off.tail<3>() << turn(random), turn(random), turn(random);
+      mapped.map_from_lidar = mapped.map_from_lidar * exp(off);
+    }
+    made.odometry.push_back(mapped.map_from_lidar);
     keep(builder.add(scan, mapped));
   }
   keep(builder.finish());
@@ -126,6 +149,40 @@ TEST_F(SurfaceLinks, TakeAwayMostOfTheDrift) {
   const std::vector<SurfaceLink> links = the_drive().links(graph.map_from_node, 2);
   const double after = largest_error(fit_surfaces(graph, links), the_drive().truth);
   EXPECT_LT(after, before / 3.0);
+}
+
+/// Root mean square of the angles between consecutive scans that are not those of the truth [rad].
+double wavering(const std::vector<Rigid3>& found, const std::vector<Rigid3>& truth) {
+  double squares = 0.0;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const double off =
+        ((truth[i - 1].inverse() * truth[i]).inverse() * (found[i - 1].inverse() * found[i]))
+            .angle();
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(truth.size() - 1));
+}
+
+TEST(SurfaceLinksOfScans, TakeAwayHowOdometryWaversFromScanToScan) {
+  constexpr double waver = 0.007;  // rad
+  const Drive made = drive(200, waver);
+  std::vector<double> off;
+  for (const SurfaceLink& link : made.scan_links()) {
+    const Rigid3 truth = made.truth[link.reference_scan].inverse() * made.truth[link.query_scan];
+    off.push_back((truth.inverse() * link.reference_from_query).angle());
+  }
+  ASSERT_GT(off.size(), 150U) << "all but those of the first stretches";
+  std::ranges::sort(off);
+  EXPECT_LT(off[off.size() / 2], waver) << "of 2.4 times that between two scans";
+
+  std::vector<ScanPlace> places;
+  for (const Rigid3& pose : made.odometry) {
+    places.push_back({0, made.odometry.front().inverse() * pose});
+  }
+  const std::vector<SurfaceLink> links = made.links(made.odometry, 2);
+  const RefinedTrajectory refined = refine_trajectory(places, {Rigid3{}}, {}, {}, links);
+  EXPECT_LT(wavering(refined.map_from_lidar, made.truth),
+            0.4 * wavering(made.odometry, made.truth));
 }
 
 TEST_F(SurfaceLinks, FalseOnesAreRefused) {

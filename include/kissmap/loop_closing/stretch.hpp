@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "kissmap/cloud/scan.hpp"
+#include "kissmap/loop_closing/surface_link.hpp"
 #include "kissmap/mapping/local_map.hpp"
-#include "kissmap/odometry/voxel_hash_map.hpp"
 
 namespace kissmap {
 
@@ -22,15 +24,27 @@ struct StretchPlace {
 struct Stretch {
   StretchPlace place;
   SurfelCloud surfels;
+  /// Of scans to the stretch before theirs, or to their own: all that were found since the stretch
+  /// before this one was handed out.
+  std::vector<SurfaceLink> scan_links;
 };
 
 /// Divides the way into stretches, each 0.15 mean ranges long or as long as the sensor turns by
 /// less than 23 degrees, and finds the surfaces seen from them: voxels of a twentieth of the mean
-/// range, 0.15 to 0.5 m. Points are deskewed by the motion from scan to scan that odometry found.
+/// range, 0.15 to 0.5 m.
+///
+/// Odometry that fits points to points wavers from scan to scan, and bends what it deskews. So each
+/// scan is first registered to the planes of the three stretches before, from where odometry's
+/// motion puts it: as of the middle of its sweep, because how a sweep was deskewed hardly moves
+/// that, while the pose at its end and the motion through it depend on each other. Where sweeps end
+/// follows from the middles before and after.
 /// Not thread safe; the same result on every run.
 class StretchBuilder {
  public:
   StretchBuilder(double min_range, double max_range);
+  ~StretchBuilder();
+  StretchBuilder(StretchBuilder&&) noexcept;
+  StretchBuilder& operator=(StretchBuilder&&) noexcept;
 
   /// Takes the next scan the mapper used; every few points of a large one will do, see
   /// thinned_for_stretches(). Returns the stretch before, if this scan begins another.
@@ -40,19 +54,8 @@ class StretchBuilder {
   std::optional<Stretch> finish();
 
  private:
-  void begin(const Scan& scan);
-  bool is_long_enough() const;
-  Stretch close();
-
-  double min_range_;
-  double max_range_;
-  std::optional<VoxelHashMap> grid_;  ///< of the open stretch, in the frame of its first scan
-  StretchPlace place_;
-  std::vector<Rigid3> first_from_scan_;  ///< of the open stretch
-  double way_ = 0.0;                     ///< m
-  double turn_ = 0.0;                    ///< rad
-  std::uint32_t scans_ = 0;
-  std::optional<MappedScan> before_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// A copy without what StretchBuilder does not look at: at most 16,384 points, evenly picked.

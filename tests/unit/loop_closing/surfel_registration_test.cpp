@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Points registered to planes, and what a registration is worth where planes leave a way open.
+#include "kissmap/loop_closing/surfel_registration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "support/matchers.hpp"
+#include "support/random_clouds.hpp"
+
+namespace kissmap {
+namespace {
+
+constexpr double voxel = 0.5;  // m
+constexpr GuessSigmas sigmas{0.05, 0.02};
+
+/// Surfels of a corridor along x, 2 m wide and 3 m high, with walls at its ends if asked for.
+SurfelCloud corridor(bool ends) {
+  SurfelCloud surfels;
+  const auto add = [&surfels](double x, double y, double z, const Eigen::Vector3f& normal) {
+    surfels.means.emplace_back(Eigen::Vector3d(x, y, z).cast<float>());
+    surfels.normals.push_back(normal);
+  };
+  for (double x = -9.75; x < 10.0; x += voxel) {
+    for (double z = -1.25; z < 1.5; z += voxel) {
+      add(x, 1.0, z, -Eigen::Vector3f::UnitY());
+      add(x, -1.0, z, Eigen::Vector3f::UnitY());
+    }
+    for (double y = -0.75; y < 1.0; y += voxel) {
+      add(x, y, -1.5, Eigen::Vector3f::UnitZ());
+      add(x, y, 1.5, -Eigen::Vector3f::UnitZ());
+    }
+  }
+  if (!ends) return surfels;
+  for (double y = -0.75; y < 1.0; y += voxel) {
+    for (double z = -1.25; z < 1.5; z += voxel) {
+      for (int layer = 0; layer < 6; ++layer) {  // as many planes as a tenth of the others
+        add(10.0 + layer, y, z, -Eigen::Vector3f::UnitX());
+        add(-10.0 - layer, y, z, Eigen::Vector3f::UnitX());
+      }
+    }
+  }
+  return surfels;
+}
+
+TEST(RegisterPoints, FindsAnyMotionInARoom) {
+  std::mt19937 random(1);
+  const std::vector<Eigen::Vector3f> room = room_cloud(random, 6000);
+  SurfelCloud planes;
+  for (const Eigen::Vector3f& p : room) {
+    planes.means.push_back(p);
+    planes.normals.push_back(std::abs(std::abs(p.z()) - 2.0F) < 1e-4F ? Eigen::Vector3f::UnitZ()
+                             : std::abs(std::abs(p.y()) - 7.0F) < 1e-4F || p.y() == 1.5F
+                                 ? Eigen::Vector3f::UnitY()
+                                 : Eigen::Vector3f::UnitX());
+  }
+  const SurfelMap reference(planes, voxel);
+  Twist twist;
+  twist << 0.12, -0.1, 0.05, 0.01, -0.012, 0.015;
+  const Rigid3 truth = exp(twist);
+  const std::vector<Eigen::Vector3f> seen = moved(truth.inverse(), room_cloud(random, 1500));
+  // A guess that is hardly believed leaves it to the planes.
+  const SurfelAlignment found = register_points(seen, reference, Rigid3{}, {10.0, 10.0});
+  EXPECT_TRUE(found.converged);
+  EXPECT_THAT(found.reference_from_query, PoseNear(truth, 0.005, 0.0005));
+}
+
+TEST(RegisterPoints, LeaveAnOpenDirectionToTheGuess) {
+  const SurfelMap reference(corridor(false), voxel);
+  std::vector<Eigen::Vector3f> seen;
+  for (const Eigen::Vector3f& p : corridor(false).means) {
+    if (std::abs(p.x()) < 8.0F) seen.push_back(p + Eigen::Vector3f(0.0F, 0.1F, 0.0F));
+  }
+  const Rigid3 guess{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.3, 0.0, 0.0)};
+  const SurfelAlignment found = register_points(seen, reference, guess, sigmas);
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.reference_from_query.translation.x(), 0.3, 1e-6) << "no plane faces x";
+  EXPECT_NEAR(found.reference_from_query.translation.y(), -0.1, 0.005);
+}
+
+TEST(InformationOfAnAlignment, SaysNothingAlongABareCorridorAndMuchAcross) {
+  for (const bool ends : {false, true}) {
+    const SurfelMap reference(corridor(ends), voxel);
+    const SurfelAlignment found =
+        register_points(corridor(ends).means, reference, Rigid3{}, sigmas);
+    ASSERT_TRUE(found.converged);
+    const Eigen::Matrix<double, 6, 6> information = information_of(found);
+    EXPECT_LT((information - information.transpose()).norm(), 1e-9 * information.norm());
+    EXPECT_GT(information(1, 1), 1e4) << "centimetres across";
+    EXPECT_GT(information(2, 2), 1e4);
+    if (ends) {
+      EXPECT_GT(information(0, 0), 1e4);
+    } else {
+      EXPECT_LT(information(0, 0), 1e-3) << "nothing along";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kissmap
