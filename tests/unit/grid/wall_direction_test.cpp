@@ -33,6 +33,14 @@ TEST(WallDirection, IsFoundAmongOtherThings) {
   }
 }
 
+TEST(WallDirection, IsThatOfMostNotTheMeanOfAll) {
+  const double degree = std::numbers::pi / 180.0;
+  std::vector<Eigen::Vector3f> normals = walls_along(20.0 * degree, 1.0, 7);
+  const std::vector<Eigen::Vector3f> askew = walls_along(0.0, 1.0, 8);
+  normals.insert(normals.end(), askew.begin(), askew.begin() + 2000);
+  EXPECT_NEAR(wall_direction(normals), 20.0 * degree, 0.01);
+}
+
 TEST(WallDirection, IsNoneWhereNothingStandsOut) {
   EXPECT_EQ(wall_direction(walls_along(0.3, 0.0, 6)), 0.0);
   EXPECT_EQ(wall_direction({}), 0.0);
