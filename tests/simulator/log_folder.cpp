@@ -89,13 +89,15 @@ void write_scans(const Simulator& simulator,
                  const std::filesystem::path& folder,
                  int threads,
                  bool labels,
+                 std::size_t every,
                  const std::function<void(std::size_t done)>& progress) {
   ThreadPool pool(threads);
   const std::size_t batch = 8 * static_cast<std::size_t>(pool.size());
-  for (std::size_t begin = 0; begin < simulator.scan_count(); begin += batch) {
-    const std::size_t end = std::min(begin + batch, simulator.scan_count());
+  const std::size_t count = (simulator.scan_count() + every - 1) / every;
+  for (std::size_t begin = 0; begin < count; begin += batch) {
+    const std::size_t end = std::min(begin + batch, count);
     pool.for_each_chunk(end - begin, [&](std::size_t k) {
-      const LabelledScan labelled = simulator.labelled_scan(begin + k);
+      const LabelledScan labelled = simulator.labelled_scan(every * (begin + k));
       const std::string name = stamp_text(labelled.scan.stamp_ns, '_');
       write_ply(labelled.scan, folder / "scans" / (name + ".ply"));
       if (labels) write_file(folder / "labels" / (name + ".u8"), {}, labelled.classes);
@@ -110,7 +112,8 @@ void write_log_folder(const Simulator& simulator,
                       const std::filesystem::path& folder,
                       int threads,
                       const std::function<void(std::size_t done)>& progress,
-                      bool labels) {
+                      bool labels,
+                      std::size_t every) {
   if (std::filesystem::exists(folder)) {
     throw output_error(folder, "exists already; remove it or choose another folder");
   }
@@ -120,7 +123,7 @@ void write_log_folder(const Simulator& simulator,
   std::filesystem::create_directories(partial / "scans", failure);
   if (labels && !failure) std::filesystem::create_directory(partial / "labels", failure);
   if (failure) throw output_error(partial, "cannot be made: " + failure.message());
-  write_scans(simulator, partial, threads, labels, progress);
+  write_scans(simulator, partial, threads, labels, every, progress);
   if (labels) write_file<char>(partial / "labels" / "classes.csv", class_list(), {});
   std::string truth;
   for (std::size_t i = 0; i < simulator.scan_count(); ++i) truth += truth_line(simulator, i);

@@ -14,12 +14,14 @@ namespace kissmap::simulator {
 /// FOLDER/labels/<name of the scan>.u8, one byte a point: the number of its ObjectClass; and
 /// FOLDER/labels/classes.csv, which lists number, name and whether the class moves (1 or 0). The
 /// folder appears whole or not at all: it is written as FOLDER.partial and renamed. The same bytes
-/// for any number of threads. `progress(done)` is called after each batch of scans. Throws
-/// Error(output) where the folder exists or cannot be written.
+/// for any number of threads. Of the scans the first is written and each `every`th after it.
+/// `progress(done)` is called after each batch of scans. Throws Error(output) where the folder
+/// exists or cannot be written.
 void write_log_folder(const Simulator& simulator,
                       const std::filesystem::path& folder,
                       int threads,
                       const std::function<void(std::size_t done)>& progress,
-                      bool labels = false);
+                      bool labels = false,
+                      std::size_t every = 1);
 
 }  // namespace kissmap::simulator
