@@ -99,9 +99,10 @@ struct ExportGridCommand {
   bool floor_reference = true;
   std::string mode = "trinary";
   ColumnRule rule;
-  std::optional<double> threshold;  ///< none: by purpose
-  int min_group = 0;                ///< cells
-  std::vector<double> crop;         ///< x_min, y_min, x_max, y_max [m]; or empty
+  std::optional<double> threshold;   ///< none: by purpose
+  std::optional<int> min_group;      ///< cells; none: by purpose
+  std::optional<double> half_width;  ///< m; none: by speed
+  std::vector<double> crop;          ///< x_min, y_min, x_max, y_max [m]; or empty
   bool connected = false;
   bool align_axes = false;
   double max_memory = 4.0;  ///< GB

@@ -75,9 +75,19 @@ CLI::App& declare_export_grid(CLI::App& app, ExportGridCommand& c) {
       ->type_name("trinary|scale")
       ->check(CLI::IsMember({"trinary", "scale"}));
   command
-      .add_option("--min-group", c.min_group, "remove groups of fewer occupied cells than this (0)")
+      .add_option("--min-group",
+                  c.min_group,
+                  "remove groups of fewer occupied cells than this (localization 0; navigation 2 "
+                  "of what rests on single returns)")
       ->type_name("N")
       ->check(CLI::Range(0, 1'000'000));
+  command
+      .add_option("--half-width",
+                  c.half_width,
+                  "what carried the sensor reaches this far to all sides [m]: where it went, "
+                  "nothing up to the sensor's height is occupied; 0 to keep it (0.25, 0.8 in cars)")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 5.0));
   command.add_flag("--connected", c.connected, "free only what is connected to the path");
   command.add_flag(
       "--align-axes", c.align_axes, "turn the map so that most walls run along x and y");

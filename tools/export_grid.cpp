@@ -4,13 +4,15 @@
 #include "commands.hpp"
 #include "export_options.hpp"
 #include "kissmap/error.hpp"
+#include "paths.hpp"
 #include "progress.hpp"
 #include "report.hpp"
 
 namespace kissmap {
 namespace {
 
-constexpr double localization_z_max = 0.2;  // m
+constexpr double localization_z_max = 0.2;    // m
+constexpr int navigation_min_weak_group = 2;  // cells
 
 std::filesystem::path stem_of(const std::filesystem::path& output) {
   const std::string ending = output.extension().string();
@@ -48,7 +50,9 @@ GridExportOptions grid_options(const ExportGridCommand& command, const Session& 
   options.rule = command.rule;
   options.rule.threshold =
       command.threshold.value_or(localizes ? localization_threshold : navigation_threshold);
-  options.min_group = command.min_group;
+  options.min_group = command.min_group.value_or(0);
+  if (!localizes && !command.min_group) options.min_weak_group = navigation_min_weak_group;
+  options.half_width = command.half_width;
   options.connected = command.connected;
   options.align_axes = command.align_axes;
   if (command.crop.size() == 4) {
@@ -82,6 +86,11 @@ void export_grid(const ExportGridCommand& command) {
   const std::filesystem::path stem = stem_of(command.output);
   const Session session = read_session(command.session);
   const GridExportOptions options = grid_options(command, session);
+  // Of the map's files: its bare name may well be that of a folder beside it.
+  std::filesystem::path yaml = stem;
+  yaml += ".yaml";
+  require_outside(yaml, command.session, "the session");
+  require_outside(yaml, command.log.empty() ? session.manifest.log.path : command.log, "the log");
   ProgressLine line(!command.quiet);
   ThreadPool pool(command.threads);
   const GridExportSummary summary = export_grid(
@@ -95,7 +104,11 @@ void export_grid(const ExportGridCommand& command) {
       });
   if (command.quiet) return;
   for (const ExportedGrid& grid : summary.levels) {
-    std::printf("%s\n  %s\n", grid.yaml.c_str(), describe(grid).c_str());
+    std::printf("%s\n  %s\n", printable(grid.yaml.string()).c_str(), describe(grid).c_str());
+  }
+  if (summary.levels_outside > 0) {
+    std::printf("  note: of %u more levels nothing was seen in the crop; they are not written\n",
+                summary.levels_outside);
   }
   if (!summary.floor_seen) {
     std::printf(

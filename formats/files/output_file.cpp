@@ -55,6 +55,28 @@ void write_all(int descriptor, std::string_view bytes, const std::filesystem::pa
   }
 }
 
+/// Files written aside; those still there are removed when it goes.
+class AsideFiles {
+ public:
+  AsideFiles() = default;
+  ~AsideFiles() {
+    std::error_code ignored;  // whoever left early has said why
+    for (const std::filesystem::path& path : made_) std::filesystem::remove(path, ignored);
+  }
+  AsideFiles(const AsideFiles&) = delete;
+  AsideFiles& operator=(const AsideFiles&) = delete;
+
+  void write(const std::filesystem::path& path, std::string_view bytes) {
+    OutputFile file(aside(path));
+    made_.push_back(file.path());
+    file.write(bytes);
+    file.close();
+  }
+
+ private:
+  std::vector<std::filesystem::path> made_;
+};
+
 }  // namespace
 
 OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
@@ -105,10 +127,15 @@ std::filesystem::path aside(const std::filesystem::path& path) {
 }
 
 void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
-  OutputFile file(aside(path));
-  file.write(bytes);
-  file.close();
-  rename_path(file.path(), path);
+  AsideFiles made;
+  made.write(path, bytes);
+  rename_path(aside(path), path);
+}
+
+void write_whole_files(const std::vector<WholeFile>& files) {
+  AsideFiles made;
+  for (const WholeFile& file : files) made.write(file.path, file.bytes);
+  for (const WholeFile& file : files) rename_path(aside(file.path), file.path);
 }
 
 void sync_folder(const std::filesystem::path& folder) {

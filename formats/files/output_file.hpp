@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace kissmap {
 
@@ -36,8 +37,18 @@ class OutputFile {
 /// `path` with ".partial" appended: where a file is written until it is complete.
 std::filesystem::path aside(const std::filesystem::path& path);
 
-/// Writes a whole file aside, flushes it to the disk and gives it its name. Throws Error(output).
+/// Writes a whole file aside, flushes it to the disk and gives it its name. Throws Error(output)
+/// and leaves nothing aside then.
 void write_whole_file(const std::filesystem::path& path, std::string_view bytes);
+
+struct WholeFile {
+  std::filesystem::path path;
+  std::string bytes;
+};
+
+/// The same for the files of one result: all are written aside before the first gets its name, so
+/// that where the disk fills up none is new beside an old one.
+void write_whole_files(const std::vector<WholeFile>& files);
 
 /// Makes created, renamed and removed names in a folder survive a power cut. Throws Error(output).
 void sync_folder(const std::filesystem::path& folder);

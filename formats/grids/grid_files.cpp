@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "kissmap/formats/grid_files.hpp"
-
 #include <png.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "formats/files/output_file.hpp"
+#include "formats/grids/grid_bytes.hpp"
 #include "kissmap/error.hpp"
 
 namespace kissmap {
@@ -27,6 +25,7 @@ std::filesystem::path with_ending(const std::filesystem::path& stem, const char*
 std::string pgm_bytes(const GridMap& map) {
   std::string bytes =
       "P5\n" + std::to_string(map.width) + " " + std::to_string(map.height) + "\n255\n";
+  bytes.reserve(bytes.size() + map.cells.size());
   for (int y = map.height - 1; y >= 0; --y) {
     for (int x = 0; x < map.width; ++x) {
       const CellState state = map.at(x, y).state;
@@ -107,16 +106,23 @@ std::vector<std::filesystem::path> grid_file_paths(const std::filesystem::path& 
   return {with_ending(stem, mode == GridMode::scale ? ".png" : ".pgm"), with_ending(stem, ".yaml")};
 }
 
-void write_grid(const GridMap& map,
-                GridMode mode,
-                const std::filesystem::path& stem,
-                const std::vector<std::string>& comments) {
+std::vector<WholeFile> grid_files(const GridMap& map,
+                                  GridMode mode,
+                                  const std::filesystem::path& stem,
+                                  const std::vector<std::string>& comments) {
   const std::vector<std::filesystem::path> paths = grid_file_paths(stem, mode);
   if (map.cells.empty()) {
     throw output_error(paths.back(), "a map without cells is not written: nothing was seen in it");
   }
-  write_whole_file(paths.front(), mode == GridMode::scale ? png_bytes(map) : pgm_bytes(map));
-  write_whole_file(paths.back(), yaml_text(map, mode, paths.front().filename().string(), comments));
+  return {{paths.front(), mode == GridMode::scale ? png_bytes(map) : pgm_bytes(map)},
+          {paths.back(), yaml_text(map, mode, paths.front().filename().string(), comments)}};
+}
+
+void write_grid(const GridMap& map,
+                GridMode mode,
+                const std::filesystem::path& stem,
+                const std::vector<std::string>& comments) {
+  write_whole_files(grid_files(map, mode, stem, comments));
 }
 
 }  // namespace kissmap

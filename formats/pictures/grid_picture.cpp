@@ -81,19 +81,23 @@ void paint_scale(Canvas& canvas, double pixels_per_metre) {
 
 }  // namespace
 
-Picture draw_grid(const GridMap& map,
-                  const std::vector<Eigen::Vector2d>& trajectory,
-                  int max_pixels) {
+Picture draw_grid(const GridMap& map, const std::vector<PlanPath>& stretches, int max_pixels) {
   const View view(map, max_pixels);
   Canvas canvas(view.width + 2 * border, view.height + 3 * border, paper);
   paint_cells(canvas, map, view);
-  std::vector<Eigen::Vector2f> line;
-  line.reserve(trajectory.size());
-  for (const Eigen::Vector2d& place : trajectory) line.push_back(view.pixel_of(map, place));
-  if (!line.empty()) {
+  std::vector<Eigen::Vector2f> ends;
+  for (const PlanPath& stretch : stretches) {
+    if (stretch.empty()) continue;
+    std::vector<Eigen::Vector2f> line;
+    line.reserve(stretch.size());
+    for (const Eigen::Vector2d& place : stretch) line.push_back(view.pixel_of(map, place));
     canvas.draw_line(line, 1.2F, trajectory_colour);
-    canvas.fill_disc(line.front(), 5.0F, start_colour);
-    canvas.fill_disc(line.back(), 5.0F, end_colour);
+    ends.push_back(line.front());
+    ends.push_back(line.back());
+  }
+  if (!ends.empty()) {
+    canvas.fill_disc(ends.front(), 5.0F, start_colour);
+    canvas.fill_disc(ends.back(), 5.0F, end_colour);
   }
   paint_scale(canvas, view.pixels_per_metre(map));
   return canvas.picture();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include "formats/pictures/png.hpp"
+
 #include <png.h>
 
 #include <string>
 
 #include "formats/files/output_file.hpp"
 #include "kissmap/error.hpp"
-#include "kissmap/formats/pictures.hpp"
 
 namespace kissmap {
 namespace {
@@ -16,7 +17,10 @@ bool is_whole(const Picture& picture) {
              3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
 }
 
+}  // namespace
+
 std::string png_bytes(const Picture& picture) {
+  if (!is_whole(picture)) throw Error(Fault::internal, "a picture whose size and pixels differ");
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(picture.width);
@@ -31,10 +35,7 @@ std::string png_bytes(const Picture& picture) {
   return bytes;
 }
 
-}  // namespace
-
 void write_png(const Picture& picture, const std::filesystem::path& path) {
-  if (!is_whole(picture)) throw Error(Fault::internal, "a picture whose size and pixels differ");
   write_whole_file(path, png_bytes(picture));
 }
 

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/formats/grid_export.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 #include <string>
 #include <utility>
 
 #include "formats/files/output_file.hpp"
+#include "formats/grids/grid_bytes.hpp"
+#include "formats/pictures/png.hpp"
 #include "formats/products/cast_in_parts.hpp"
+#include "formats/products/grid_size.hpp"
 #include "formats/products/grid_survey.hpp"
+#include "formats/products/grid_target.hpp"
 #include "formats/products/resolution.hpp"
 #include "kissmap/error.hpp"
 #include "kissmap/grid/band_mapper.hpp"
@@ -18,11 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int margin = 2;  // cells around what is known
+constexpr int margin = 2;         // cells around what is known
+constexpr double farthest = 1e7;  // m, of the corners of a crop
 
-fs::path with_suffix(fs::path stem, const std::string& suffix) {
-  stem += suffix;
-  return stem;
+// Believed no more than this, in doubt rounding, is what a single return makes.
+double one_return(const GridExportOptions& options) {
+  return options.belief.log_odds.hit_probability + 0.01;
 }
 
 std::string number(double value) {
@@ -35,50 +41,38 @@ GridBand band_of(const GridExportOptions& options, double resolution) {
   return {options.z_min, options.z_max, resolution, options.max_range};
 }
 
-double resolution_of(const GridExportOptions& options, const Session& session) {
-  if (options.resolution != 0.0) return options.resolution;
-  return fitting_resolution(session, options.min_range, options.max_range, options.moved_log).cell;
+double resolution_of(const GridExportOptions& options,
+                     const Session& session,
+                     const GridSurvey& survey) {
+  double fitting = 0.0;
+  if (options.resolution == 0.0) {
+    fitting =
+        fitting_resolution(session, options.min_range, options.max_range, options.moved_log).cell;
+  }
+  return resolution_in_memory(fitting, survey.seen, survey.level_count, options);
 }
 
 void require_options(const GridExportOptions& options) {
   require_valid(options.rule);
   require_valid(band_of(options, options.resolution == 0.0 ? 0.05 : options.resolution));
   if (!options.crop) return;
+  for (const Eigen::Vector2d& corner : {options.crop->min(), options.crop->max()}) {
+    if (corner.array().abs().maxCoeff() <= farthest && !corner.hasNaN()) continue;
+    throw usage_error("crop: corners are numbers of metres within 10,000 km of the origin");
+  }
   const Eigen::Vector2d size = options.crop->max() - options.crop->min();
   if (!(size.minCoeff() > 0.0)) {
     throw usage_error("crop: give x and y of the lower corner, then of the upper one [m]");
   }
 }
 
-/// All that write_level() writes.
-std::vector<fs::path> files_of(const fs::path& stem, GridMode mode) {
-  std::vector<fs::path> files = grid_file_paths(stem, mode);
-  files.push_back(with_suffix(stem, "_look.png"));
-  return files;
-}
-
-void require_new(const fs::path& stem, const GridExportOptions& options) {
-  std::error_code code;
-  for (const fs::path& file : files_of(stem, options.mode)) {
-    if (!options.overwrite && fs::exists(file, code)) {
-      throw usage_error(file.string() + ": exists; add --overwrite to replace it");
-    }
+std::vector<PlanPath> plans_of(const std::vector<SensorPath>& stretches) {
+  std::vector<PlanPath> plans;
+  for (const SensorPath& stretch : stretches) {
+    PlanPath& plan = plans.emplace_back();
+    for (const Eigen::Vector3d& place : stretch) plan.emplace_back(place.head<2>());
   }
-}
-
-std::vector<fs::path> stems_of(const fs::path& stem, std::uint32_t levels) {
-  if (levels == 1) return {stem};
-  std::vector<fs::path> stems;
-  for (std::uint32_t level = 0; level < levels; ++level) {
-    stems.push_back(with_suffix(stem, "_level" + std::to_string(level)));
-  }
-  return stems;
-}
-
-std::vector<Eigen::Vector2d> plan_of(const SensorPath& path) {
-  std::vector<Eigen::Vector2d> plan;
-  for (const Eigen::Vector3d& place : path) plan.emplace_back(place.head<2>());
-  return plan;
+  return plans;
 }
 
 /// Of the YAML: what heights it looks at, and where it lies beside the session's trajectory.
@@ -95,17 +89,36 @@ std::vector<std::string> comments(const GridExportOptions& options, const Rigid3
           pose};
 }
 
+struct StoreyMaps {
+  std::vector<GridMap> maps;
+};
+
+/// What of the plane becomes cells: beside a crop, groups are whole as far as they count.
+Eigen::AlignedBox2d area_of(const GridSurvey& survey,
+                            const GridExportOptions& options,
+                            double resolution) {
+  if (!options.crop || options.connected) return everywhere();
+  const double beside = resolution * (1.0 + std::max(options.min_group, options.min_weak_group));
+  const Eigen::AlignedBox2d area = worked_area(survey.seen, options);
+  return {Eigen::Vector2d(area.min().array() - beside),
+          Eigen::Vector2d(area.max().array() + beside)};
+}
+
 /// The maps of all storeys.
-std::vector<GridMap> cast_rays(const Session& session,
-                               const GridExportOptions& options,
-                               const GridSurvey& survey,
-                               ThreadPool& pool,
-                               const ExportProgress& progress) {
-  const GridBand band = band_of(options, resolution_of(options, session));
+StoreyMaps cast_rays(const Session& session,
+                     const GridExportOptions& options,
+                     const GridSurvey& survey,
+                     ThreadPool& pool,
+                     const ExportProgress& progress) {
+  const GridBand band = band_of(options, resolution_of(options, session, survey));
+  const Eigen::AlignedBox2d area = area_of(survey, options, band.resolution);
   std::deque<BandMapper> mappers;
   std::vector<OccupancyMap*> voxels;
   for (std::uint32_t level = 0; level < survey.level_count; ++level) {
-    mappers.emplace_back(survey.floor_of(level), band, options.belief);
+    mappers.emplace_back(survey.floor_of(level), band, options.belief, &survey.upright);
+    for (const SensorPath& stretch : survey.stretches_on(level)) {
+      mappers.back().clear_way(stretch, options.half_width.value_or(survey.half_width));
+    }
     voxels.push_back(&mappers.back().voxels());
   }
   std::vector<GridMap> maps(mappers.size());
@@ -119,32 +132,84 @@ std::vector<GridMap> cast_rays(const Session& session,
       },
       [&] {
         for (std::size_t level = 0; level < maps.size(); ++level) {
-          maps[level] = joined(maps[level], mappers[level].grid(options.rule));
+          maps[level] = joined(std::move(maps[level]), mappers[level].grid(options.rule, area));
         }
       });
-  return maps;
+  return {std::move(maps)};
 }
 
 GridMap finished(GridMap map,
                  const GridExportOptions& options,
-                 const std::vector<Eigen::Vector2d>& plan) {
+                 const std::vector<PlanPath>& stretches) {
   if (options.min_group > 0) remove_small_groups(options.min_group, map);
-  if (options.connected) keep_connected_free(plan, map);
+  if (options.min_weak_group > 0) {
+    remove_small_groups(options.min_weak_group, map, one_return(options));
+  }
+  if (options.connected) {
+    PlanPath way;
+    for (const PlanPath& stretch : stretches) way.insert(way.end(), stretch.begin(), stretch.end());
+    keep_connected_free(way, map);
+  }
   return options.crop ? cropped(map, *options.crop) : trimmed(map, margin);
 }
 
-void write_contents(const fs::path& file,
-                    const GridSurvey& survey,
-                    const std::vector<ExportedGrid>& levels) {
+bool is_known(const GridCell& cell) {
+  return cell.state != CellState::unknown;
+}
+
+/// Finishes the maps one by one and takes those of which the crop holds something.
+GridExportSummary finish_levels(StoreyMaps cast,
+                                const GridSurvey& survey,
+                                const std::vector<fs::path>& stems,
+                                const GridExportOptions& options) {
+  GridExportSummary summary;
+  summary.floor_seen = !options.floor_reference || survey.sensor_height > 0.0;
+  for (std::uint32_t level = 0; level < survey.level_count; ++level) {
+    ExportedGrid grid;
+    grid.level = level;
+    const std::vector<PlanPath> stretches = plans_of(survey.stretches_on(level));
+    for (const PlanPath& stretch : stretches) grid.scans += stretch.size();
+    grid.map = finished(std::exchange(cast.maps[level], {}), options, stretches);
+    grid.yaml = grid_file_paths(stems[level], options.mode).back();
+    if (options.crop && std::ranges::none_of(grid.map.cells, is_known)) {
+      ++summary.levels_outside;
+    } else {
+      summary.levels.push_back(std::move(grid));
+    }
+  }
+  if (summary.levels.empty()) throw usage_error("crop: nothing was seen in it");
+  return summary;
+}
+
+std::string contents_of(const GridSurvey& survey, const std::vector<ExportedGrid>& grids) {
   std::string yaml = "# maps of the storeys, from the lowest up; mean height of the floor [m]\n";
   yaml += "levels:\n";
-  for (std::uint32_t level = 0; level < levels.size(); ++level) {
+  for (const ExportedGrid& grid : grids) {
     char height[32];
-    std::snprintf(height, sizeof(height), "%.2f", survey.height_of(level));
-    yaml += "  - {level: " + std::to_string(level) + ", height: " + height +
-            ", map: " + yaml_quoted(levels[level].yaml.filename().string()) + "}\n";
+    std::snprintf(height, sizeof(height), "%.2f", survey.height_of(grid.level));
+    yaml += "  - {level: " + std::to_string(grid.level) + ", height: " + height +
+            ", map: " + yaml_quoted(grid.yaml.filename().string()) + "}\n";
   }
-  write_whole_file(file, yaml);
+  return yaml;
+}
+
+void write_all(const fs::path& stem,
+               const GridSurvey& survey,
+               const std::vector<fs::path>& stems,
+               const std::vector<ExportedGrid>& grids,
+               const GridExportOptions& options) {
+  std::vector<WholeFile> files;
+  for (const ExportedGrid& grid : grids) {
+    const fs::path& name = stems[grid.level];
+    for (WholeFile& file :
+         grid_files(grid.map, options.mode, name, comments(options, survey.level_from_map))) {
+      files.push_back(std::move(file));
+    }
+    const std::vector<PlanPath> stretches = plans_of(survey.stretches_on(grid.level));
+    files.push_back({look_path(name), png_bytes(draw_grid(grid.map, stretches))});
+  }
+  if (stems.size() > 1) files.push_back({contents_path(stem), contents_of(survey, grids)});
+  write_whole_files(files);
 }
 
 }  // namespace
@@ -155,26 +220,13 @@ GridExportSummary export_grid(const Session& session,
                               ThreadPool& pool,
                               const ExportProgress& progress) {
   require_options(options);
-  require_new(stem, options);
+  require_grid_target(stem, 1, options);
   const GridSurvey survey = survey_session(session, options, progress);
-  const std::vector<fs::path> stems = stems_of(stem, survey.level_count);
-  for (const fs::path& each : stems) require_new(each, options);
-  std::vector<GridMap> maps = cast_rays(session, options, survey, pool, progress);
-  GridExportSummary summary;
-  summary.floor_seen = !options.floor_reference || survey.sensor_height > 0.0;
-  for (std::uint32_t level = 0; level < survey.level_count; ++level) {
-    const std::vector<Eigen::Vector2d> plan = plan_of(survey.path_on(level));
-    ExportedGrid grid;
-    grid.map = finished(std::move(maps[level]), options, plan);
-    grid.scans = plan.size();
-    grid.yaml = grid_file_paths(stems[level], options.mode).back();
-    write_grid(grid.map, options.mode, stems[level], comments(options, survey.level_from_map));
-    write_png(draw_grid(grid.map, plan), with_suffix(stems[level], "_look.png"));
-    summary.levels.push_back(std::move(grid));
-  }
-  if (summary.levels.size() > 1) {
-    write_contents(with_suffix(stem, "_levels.yaml"), survey, summary.levels);
-  }
+  require_grid_target(stem, survey.level_count, options);
+  const std::vector<fs::path> stems = level_stems(stem, survey.level_count);
+  GridExportSummary summary =
+      finish_levels(cast_rays(session, options, survey, pool, progress), survey, stems, options);
+  write_all(stem, survey, stems, summary.levels, options);
   return summary;
 }
 

@@ -13,6 +13,11 @@ namespace {
 constexpr double floor_cell = 0.25;   // m
 constexpr double floor_reach = 25.0;  // m
 
+constexpr double least_speed = 0.2;          // m/s; slower is standing
+constexpr double least_of_cars = 2.5;        // m/s; people walk, robots roll at less
+constexpr double half_width_on_foot = 0.25;  // m, of people, and of robots that get through doors
+constexpr double half_width_of_cars = 0.8;   // m
+
 Rigid3 turned_along_walls(const Session& session, const Rigid3& level_from_map) {
   std::vector<Eigen::Vector3f> normals;
   for (const LocalMap& local_map : session.local_maps) {
@@ -28,6 +33,30 @@ Rigid3 turned_along_walls(const Session& session, const Rigid3& level_from_map) 
   return aligned * level_from_map;
 }
 
+/// m: what goes faster than people walk is as wide as a car.
+double carrier_half_width(const Session& session) {
+  std::vector<double> speeds;  // m/s
+  for (std::size_t i = 1; i < session.scans.size(); ++i) {
+    const MappedScan& from = session.scans[i - 1].mapped;
+    const MappedScan& to = session.scans[i].mapped;
+    const double way = (to.map_from_lidar.translation - from.map_from_lidar.translation).norm();
+    const double time = 1e-9 * static_cast<double>(to.pose_stamp_ns - from.pose_stamp_ns);
+    if (time > 0.0 && way > least_speed * time) speeds.push_back(way / time);
+  }
+  if (speeds.empty()) return half_width_on_foot;
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::ranges::nth_element(speeds, middle);
+  return *middle > least_of_cars ? half_width_of_cars : half_width_on_foot;
+}
+
+void extend(const PlacedScan& scan, const Rigid3& level_from_lidar, Eigen::AlignedBox2d& seen) {
+  const Eigen::Vector2d sensor = level_from_lidar.translation.head<2>();
+  seen.extend(sensor);
+  for (const Eigen::Vector3f& point : scan.points) {
+    seen.extend((level_from_lidar * point.cast<double>()).head<2>());
+  }
+}
+
 }  // namespace
 
 SensorPath GridSurvey::path_on(std::uint32_t level) const {
@@ -36,6 +65,16 @@ SensorPath GridSurvey::path_on(std::uint32_t level) const {
     if (levels[i] == level) found.push_back(path[i]);
   }
   return found;
+}
+
+std::vector<SensorPath> GridSurvey::stretches_on(std::uint32_t level) const {
+  std::vector<SensorPath> stretches;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (levels[i] != level) continue;
+    if (i == 0 || levels[i - 1] != level) stretches.emplace_back();
+    stretches.back().push_back(path[i]);
+  }
+  return stretches;
 }
 
 FloorMap GridSurvey::floor_of(std::uint32_t level) const {
@@ -55,13 +94,16 @@ GridSurvey survey_session(const Session& session,
                           const ExportProgress& progress) {
   GridSurvey survey;
   survey.level_from_map = level_from_map(session);
+  survey.half_width = carrier_half_width(session);
   if (options.align_axes) {
     survey.level_from_map = turned_along_walls(session, survey.level_from_map);
   }
   FloorSampler sampler(floor_cell, floor_reach);
   const auto look = [&](const PlacedScan& scan) {
     if (options.floor_reference) sampler.add(scan, survey.level_from_map);
+    if (options.floor_reference) survey.upright.add(scan, survey.level_from_map);
     survey.path.push_back(survey.level_from_map * scan.map_from_lidar.translation);
+    extend(scan, survey.level_from_map * scan.map_from_lidar, survey.seen);
   };
   for_each_placed_scan(session, options, "looking for the floor", progress, look);
   survey.samples = sampler.samples();

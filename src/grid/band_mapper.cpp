@@ -7,6 +7,7 @@
 
 #include "grid/bent_ray.hpp"
 #include "grid/column_projection.hpp"
+#include "grid/swept_cells.hpp"
 #include "occupancy/scan_rays.hpp"
 #include "options.hpp"
 
@@ -55,11 +56,16 @@ void require_valid(const GridBand& band) {
 
 class BandMapper::Impl {
  public:
-  Impl(const FloorMap& floor, const GridBand& band, const BandBelief& belief)
+  Impl(const FloorMap& floor,
+       const GridBand& band,
+       const BandBelief& belief,
+       const UprightColumns* upright)
       : floor_(floor),
+        upright_(upright),
         band_((require_valid(band), band)),
         belief_(belief),
-        voxels_(geometry_of(band), {belief.log_odds}) {}
+        voxels_(geometry_of(band), {belief.log_odds}),
+        swept_(band.resolution) {}
 
   void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool) {
     const ScanRays straight = occupancy::rays_of(scan, level_from_map * scan.map_from_lidar, 0.0);
@@ -78,7 +84,13 @@ class BandMapper::Impl {
     voxels_.add(bent.view(), pool);
   }
 
-  GridMap grid(const ColumnRule& rule) const { return project_columns(voxels_, rule); }
+  void clear_way(const SensorPath& stretch, double half_width) {
+    swept_.add(stretch, floor_, half_width);
+  }
+
+  GridMap grid(const ColumnRule& rule, const Eigen::AlignedBox2d& area) const {
+    return project_columns(voxels_, rule, swept_, area);
+  }
 
   OccupancyMap& voxels() { return voxels_; }
 
@@ -91,7 +103,8 @@ class BandMapper::Impl {
     if (!(range > 0.0)) return;
     if (range <= band_.max_range) {
       const Eigen::Vector3d hit(end.x(), end.y(), end.z() - floor_.height(end.x(), end.y()));
-      if (hit.z() >= band_.z_min && hit.z() < band_.z_max) push(hit, hit, 1, bent);
+      const bool in_band = hit.z() >= band_.z_min && hit.z() < band_.z_max;
+      if (in_band && is_no_floor(end)) push(hit, hit, 1, bent);
     }
     const double free = std::min(range - belief_.free_margin, band_.max_range);
     if (!(free > 0.0)) return;
@@ -105,6 +118,11 @@ class BandMapper::Impl {
         push(corners[k], corners[k + 1], 0, bent);
       }
     }
+  }
+
+  /// Of a return in the band.
+  bool is_no_floor(const Eigen::Vector3d& hit) const {
+    return upright_ == nullptr || floor_.is_seen(hit.x(), hit.y()) || upright_->holds(hit);
   }
 
   static void push(const Eigen::Vector3d& start,
@@ -141,13 +159,18 @@ class BandMapper::Impl {
   }
 
   FloorMap floor_;
+  const UprightColumns* upright_;
   GridBand band_;
   BandBelief belief_;
   OccupancyMap voxels_;
+  SweptCells swept_;
 };
 
-BandMapper::BandMapper(const FloorMap& floor, const GridBand& band, const BandBelief& belief)
-    : impl_(std::make_unique<Impl>(floor, band, belief)) {
+BandMapper::BandMapper(const FloorMap& floor,
+                       const GridBand& band,
+                       const BandBelief& belief,
+                       const UprightColumns* upright)
+    : impl_(std::make_unique<Impl>(floor, band, belief, upright)) {
 }
 
 BandMapper::~BandMapper() = default;
@@ -156,8 +179,12 @@ void BandMapper::add(const PlacedScan& scan, const Rigid3& level_from_map, Threa
   impl_->add(scan, level_from_map, pool);
 }
 
-GridMap BandMapper::grid(const ColumnRule& rule) const {
-  return impl_->grid(rule);
+void BandMapper::clear_way(const SensorPath& stretch, double half_width) {
+  impl_->clear_way(stretch, half_width);
+}
+
+GridMap BandMapper::grid(const ColumnRule& rule, const Eigen::AlignedBox2d& area) const {
+  return impl_->grid(rule, area);
 }
 
 OccupancyMap& BandMapper::voxels() {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "kissmap/error.hpp"
 #include "options.hpp"
@@ -32,6 +33,14 @@ std::vector<Eigen::Vector2i> group_of(const GridMap& map,
     }
   }
   return group;
+}
+
+double most_believed(const GridMap& map, const std::vector<Eigen::Vector2i>& group) {
+  double most = 0.0;
+  for (const Eigen::Vector2i& cell : group) {
+    most = std::max(most, static_cast<double>(map.at(cell.x(), cell.y()).probability));
+  }
+  return most;
 }
 
 /// Unknown where at least half of the cells around the group are, else free with their mean.
@@ -72,21 +81,24 @@ GridCell judge_column(const ColumnCounts& column, int layers, const ColumnRule& 
   return {enough ? CellState::free : CellState::unknown, column.highest};
 }
 
-std::size_t remove_small_groups(int least, GridMap& map) {
-  const GridMap before = map;
+std::size_t remove_small_groups(int least, GridMap& map, double most) {
   std::vector<bool> visited(map.cells.size(), false);
-  std::size_t changed = 0;
+  // Changed at the end: each group is judged by the map as it was.
+  std::vector<std::pair<std::size_t, GridCell>> changes;
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
-      if (before.at(x, y).state != CellState::occupied || visited[map.index(x, y)]) continue;
-      const std::vector<Eigen::Vector2i> group = group_of(before, {x, y}, visited);
+      if (map.at(x, y).state != CellState::occupied || visited[map.index(x, y)]) continue;
+      const std::vector<Eigen::Vector2i> group = group_of(map, {x, y}, visited);
       if (group.size() >= static_cast<std::size_t>(std::max(0, least))) continue;
-      const GridCell cell = surroundings(before, group);
-      for (const Eigen::Vector2i& place : group) map.at(place.x(), place.y()) = cell;
-      changed += group.size();
+      if (most_believed(map, group) > most) continue;
+      const GridCell cell = surroundings(map, group);
+      for (const Eigen::Vector2i& place : group) {
+        changes.emplace_back(map.index(place.x(), place.y()), cell);
+      }
     }
   }
-  return changed;
+  for (const auto& [idx, cell] : changes) map.cells[idx] = cell;
+  return changes.size();
 }
 
 std::size_t keep_connected_free(std::span<const Eigen::Vector2d> path, GridMap& map) {
@@ -118,7 +130,7 @@ std::size_t keep_connected_free(std::span<const Eigen::Vector2d> path, GridMap& 
   return changed;
 }
 
-GridMap joined(const GridMap& a, const GridMap& b) {
+GridMap joined(GridMap a, GridMap b) {
   if (a.cells.empty()) return b;
   if (b.cells.empty()) return a;
   const auto first_cell = [](const GridMap& map) -> Eigen::Vector2i {

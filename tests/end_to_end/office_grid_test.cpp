@@ -17,7 +17,8 @@ using simulator::ObjectClass;
 using simulator::Simulator;
 
 constexpr double floor_cell = 0.25;
-constexpr std::size_t every = 4;  // scans
+constexpr std::size_t every = 4;     // scans
+constexpr double one_return = 0.71;  // probability, of what export-grid drops where it is alone
 
 /// Calls with each scan of the tour, placed by the truth.
 template <typename Call>
@@ -55,6 +56,7 @@ std::vector<GridMap> map_bands(const Simulator& simulator, const std::vector<Gri
     const bool thin = bands[k].z_max < 0.5;
     maps.push_back(
         mappers[k].grid({thin ? localization_threshold : navigation_threshold, 0.5, 0.0}));
+    if (!thin) remove_small_groups(2, maps.back(), one_return);
   }
   return maps;
 }

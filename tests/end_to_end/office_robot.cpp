@@ -16,11 +16,12 @@ OccupancyPlan LaserRobotInTheOffice::exact_plan(double z_min, double z_max) cons
 }
 
 Localised LaserRobotInTheOffice::localise(const OccupancyPlan& plan,
-                                          const Pose2& world_from_plan) const {
+                                          const Pose2& world_from_plan,
+                                          std::uint64_t drives) const {
   Localised result;
   double squares = 0.0;
   int steps = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= drives; ++seed) {
     const std::vector<double> errors = errors_of_drive(plan, world_from_plan, seed);
     if (errors.empty()) continue;
     ++result.converged;

@@ -8,7 +8,7 @@
 
 namespace kissmap {
 
-/// What a laser robot makes of a plan, from ten places.
+/// What a laser robot makes of a plan, from several places.
 struct Localised {
   int converged = 0;
   double rms = 0.0;  ///< m, over the last quarter of the drives that converged
@@ -21,8 +21,10 @@ class LaserRobotInTheOffice {
   /// The office as a perfect map shows it between two heights [m].
   OccupancyPlan exact_plan(double z_min, double z_max) const;
 
-  /// The plan may lie elsewhere: `world_from_plan` tells where.
-  Localised localise(const OccupancyPlan& plan, const Pose2& world_from_plan = {}) const;
+  /// The plan may lie elsewhere: `world_from_plan` tells where. `drives`: up to ten.
+  Localised localise(const OccupancyPlan& plan,
+                     const Pose2& world_from_plan = {},
+                     std::uint64_t drives = 10) const;
 
   const simulator::Office& office() const { return office_; }
   std::vector<LaserStep> drive(const LaserRobotOptions& robot) const {

@@ -125,7 +125,7 @@ TEST(GridFileNames, AMapWithoutCellsIsRefused) {
 
 TEST(GridPicture, IsTheMapEnlargedOrMadeSmaller) {
   const GridMap map = example_map();
-  const Picture picture = draw_grid(map, {{-12.0, -3.5}, {-11.0, -3.0}});
+  const Picture picture = draw_grid(map, {{{-12.0, -3.5}, {-11.0, -3.0}}});
   EXPECT_GT(picture.width, 800);
   GridMap large;
   large.width = 5000;
@@ -134,6 +134,25 @@ TEST(GridPicture, IsTheMapEnlargedOrMadeSmaller) {
   const Picture small = draw_grid(large, {}, 1000);
   EXPECT_LE(small.width, 1100);
   EXPECT_EQ(small.rgb.size(), 3U * static_cast<std::size_t>(small.width * small.height));
+}
+
+TEST(GridPicture, StretchesAreDrawnApart) {
+  GridMap map;
+  map.width = 200;
+  map.height = 100;
+  map.cells.resize(20'000);  // 10 x 5 m
+  const auto middle = [&map](const std::vector<PlanPath>& stretches) {
+    const Picture picture = draw_grid(map, stretches);
+    const auto row = static_cast<std::size_t>(16 + (picture.height - 48) / 2);
+    const auto column = static_cast<std::size_t>(picture.width / 2);
+    const std::uint8_t* pixel =
+        &picture.rgb[3 * (row * static_cast<std::size_t>(picture.width) + column)];
+    return std::vector<int>(pixel, pixel + 3);
+  };
+  const PlanPath left = {{1.0, 2.5}, {2.0, 2.5}};
+  const PlanPath right = {{8.0, 2.5}, {9.0, 2.5}};
+  EXPECT_EQ(middle({left, right}), middle({}));
+  EXPECT_NE(middle({{left[0], left[1], right[0], right[1]}}), middle({}));
 }
 
 }  // namespace

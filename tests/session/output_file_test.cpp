@@ -44,6 +44,28 @@ TEST(OutputFile, NothingAppearsUnderTheNameBeforeAllIsWritten) {
   const FileSizeLimit limit(3);
   EXPECT_THAT(error_of([&] { write_whole_file(path, "second"); }), StartsWith("output: "));
   EXPECT_EQ(read_file(path), "first");
+  EXPECT_FALSE(std::filesystem::exists(aside(path))) << "half a file is of no use";
+}
+
+TEST(OutputFile, OfSeveralFilesNoneAppearsUnlessAllAreWritten) {
+  const TempDir folder;
+  const auto old = folder.path() / "old";
+  const auto fresh = folder.path() / "new";
+  write_whole_file(old, "first");
+  {
+    const FileSizeLimit limit(7);
+    EXPECT_THAT(error_of([&] {
+                  write_whole_files({{old, "second"}, {fresh, "too long"}});
+                }),
+                StartsWith("output: " + fresh.string()));
+  }
+  EXPECT_EQ(read_file(old), "first");
+  EXPECT_FALSE(std::filesystem::exists(fresh));
+  EXPECT_FALSE(std::filesystem::exists(aside(old)));
+  EXPECT_FALSE(std::filesystem::exists(aside(fresh)));
+  write_whole_files({{old, "second"}, {fresh, "too long"}});
+  EXPECT_EQ(read_file(old), "second");
+  EXPECT_EQ(read_file(fresh), "too long");
 }
 
 TEST(OutputFile, PackOnAFullDeviceFails) {

@@ -27,17 +27,22 @@ struct GridExportOptions {
   GridMode mode = GridMode::trinary;
   BandBelief belief;
   ColumnRule rule{navigation_threshold, 0.5, 0.0};
-  int min_group = 0;                         ///< cells, see remove_small_groups
+  int min_group = 0;       ///< cells, see remove_small_groups
+  int min_weak_group = 0;  ///< the same of what rests on single returns
+  /// m that the sensor's carrier reaches to all sides, see BandMapper::clear_way; none: by its
+  /// speed, 0.25 for what walks or rolls, 0.8 for what drives
+  std::optional<double> half_width;
   bool connected = false;                    ///< see keep_connected_free
   bool align_axes = false;                   ///< turns the walls along x and y
   std::optional<Eigen::AlignedBox2d> crop;   ///< m
-  std::uint64_t max_memory = 4'000'000'000;  ///< bytes of the voxels rays are cast into
+  std::uint64_t max_memory = 4'000'000'000;  ///< bytes of the voxels rays are cast into, of cells
   bool overwrite = false;
   std::filesystem::path moved_log;  ///< where the log is now, if it moved
 };
 
 /// The map of one storey, as written.
 struct ExportedGrid {
+  std::uint32_t level = 0;  ///< from the lowest up
   std::filesystem::path yaml;
   GridMap map;
   std::uint64_t scans = 0;  ///< whose rays were cast
@@ -45,6 +50,7 @@ struct ExportedGrid {
 
 struct GridExportSummary {
   std::vector<ExportedGrid> levels;  ///< from the lowest up
+  std::uint32_t levels_outside = 0;  ///< of which nothing was seen in the crop: not written
   bool floor_seen = true;            ///< false: heights are those above the level of the start
 };
 
@@ -53,9 +59,11 @@ struct GridExportSummary {
 /// STEM_levels.yaml, which lists them. Frame: that of the session, levelled by level_from_map();
 /// the YAML says by what. The same bytes on every run, for any number of threads and for any
 /// max_memory: voxels that do not fit are cast in parts. Reads the log twice, and once more for
-/// each further part. Beside the voxels, cells take 8 bytes. Throws Error(usage) for options out of
-/// range and for files that are there without `overwrite`; Error(input) as SessionReplay does;
-/// Error(output) naming the file.
+/// each further part. Cells, 28 bytes each while they are made, have to fit into max_memory, too:
+/// cells that are not asked for become larger until they do. All files are written aside before
+/// the first gets its name. Throws Error(usage) for options out of range, for a crop in which
+/// nothing was seen and for cells that do not fit; Error(input) as SessionReplay does;
+/// Error(output) naming the file, also for one that is there without `overwrite`.
 GridExportSummary export_grid(const Session& session,
                               const std::filesystem::path& stem,
                               const GridExportOptions& options,

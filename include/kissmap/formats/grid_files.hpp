@@ -34,10 +34,14 @@ std::string yaml_quoted(const std::string& text);
 std::vector<std::filesystem::path> grid_file_paths(const std::filesystem::path& stem,
                                                    GridMode mode);
 
-/// The map for people: with the trajectory from its start (green) to its end (red), and a scale
-/// bar. Cells are enlarged if the map is small; halved where its longer side exceeds `max_pixels`.
+/// A stretch of a trajectory from above [m].
+using PlanPath = std::vector<Eigen::Vector2d>;
+
+/// The map for people: with the stretches of the trajectory, each drawn for itself, from the start
+/// of the first (green) to the end of the last (red), and a scale bar. Cells are enlarged if the
+/// map is small; halved where its longer side exceeds `max_pixels`.
 Picture draw_grid(const GridMap& map,
-                  const std::vector<Eigen::Vector2d>& trajectory,
+                  const std::vector<PlanPath>& stretches,
                   int max_pixels = 2000);
 
 }  // namespace kissmap

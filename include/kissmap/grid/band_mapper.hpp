@@ -8,6 +8,7 @@
 #include "kissmap/geometry/rigid3.hpp"
 #include "kissmap/grid/floor_map.hpp"
 #include "kissmap/grid/grid_map.hpp"
+#include "kissmap/grid/upright_columns.hpp"
 #include "kissmap/mapping/placed_scan.hpp"
 #include "kissmap/occupancy/log_odds.hpp"
 #include "kissmap/occupancy/occupancy_map.hpp"
@@ -44,15 +45,24 @@ inline constexpr BandBelief localization_belief{{0.7, 0.465, 0.12, 0.97, 0.5}, 0
 /// anything is cut off in z. Same result for any number of threads. Not thread safe.
 class BandMapper {
  public:
-  BandMapper(const FloorMap& floor, const GridBand& band, const BandBelief& belief = {});
+  /// With `upright`, which must outlive this, returns where the floor was not seen count only if it
+  /// holds them: a floor that lies higher than guessed is no obstacle.
+  BandMapper(const FloorMap& floor,
+             const GridBand& band,
+             const BandBelief& belief = {},
+             const UprightColumns* upright = nullptr);
   ~BandMapper();
 
   /// Casts the rays of a scan. `level_from_map` as for the floor.
   void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool);
 
+  /// A stretch of the way of the sensor [level frame], whose carrier reaches `half_width` [m] to
+  /// all sides: what stood there, and no higher than the sensor, cannot be in its way in the end.
+  void clear_way(const SensorPath& stretch, double half_width);
+
   /// The map of all columns seen, empty if there are none. Cells are aligned to multiples of the
-  /// resolution.
-  GridMap grid(const ColumnRule& rule) const;
+  /// resolution. `area` [m]: only what is in it, and up to 8 cells beyond.
+  GridMap grid(const ColumnRule& rule, const Eigen::AlignedBox2d& area = everywhere()) const;
 
   /// What rays were cast into; may be limited to a part of the plane.
   OccupancyMap& voxels();

@@ -17,10 +17,18 @@ class FloorMap {
   /// Heights at the middles of cells, row by row from the lowest y; `corner` is the lower corner of
   /// the first cell [m]. width * height heights, or none: then the floor is z = 0 everywhere.
   FloorMap() = default;
-  FloorMap(Eigen::Vector2d corner, double cell_size, int width, int height, std::vector<float> z);
+  /// `seen` has a byte a cell, or none: then the floor is known everywhere.
+  FloorMap(Eigen::Vector2d corner,
+           double cell_size,
+           int width,
+           int height,
+           std::vector<float> z,
+           std::vector<std::uint8_t> seen = {});
 
   /// m, bilinear between the middles of cells.
   double height(double x, double y) const;
+  /// Whether the floor was seen at a place or beside it, not only filled in or carried on.
+  bool is_seen(double x, double y) const;
   /// Lowest and highest of all heights.
   double lowest() const { return lowest_; }
   double highest() const { return highest_; }
@@ -29,9 +37,11 @@ class FloorMap {
  private:
   Eigen::Vector2d corner_ = Eigen::Vector2d::Zero();
   double cell_size_ = 1.0;
+  double cells_per_metre_ = 1.0;
   int width_ = 0;
   int height_ = 0;
   std::vector<float> z_;
+  std::vector<std::uint8_t> is_seen_;
   double lowest_ = 0.0;
   double highest_ = 0.0;
 };
@@ -49,7 +59,7 @@ double sensor_height(const SensorPath& path,
 /// that go on from there without a step, the nearest ones first, so that below a gallery its
 /// floor counts only for a path that is up there. Desks, kerbstones and bonnets are not reached;
 /// narrow ones that are (a mat, a doorstep) are smoothed away. Where nothing of it is seen, it is
-/// filled in from around.
+/// filled in from around; within 2 m of where it was it counts as seen.
 FloorMap floor_under(const SensorPath& path,
                      std::span<const FloorSample> samples,
                      double cell_size,

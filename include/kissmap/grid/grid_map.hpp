@@ -10,6 +10,11 @@
 
 namespace kissmap {
 
+/// m; no limit.
+inline Eigen::AlignedBox2d everywhere() {
+  return {Eigen::Vector2d::Constant(-1e9), Eigen::Vector2d::Constant(1e9)};
+}
+
 enum class CellState : std::uint8_t { unknown, free, occupied };
 
 /// A cell of a 2D map: its state, and the probability that something stands in it (0.5 where
@@ -49,10 +54,10 @@ inline constexpr double localization_threshold = 0.5;
 
 /// What a column of the band's voxels makes of its cell.
 struct ColumnRule {
-  double threshold =
-      localization_threshold;  ///< a voxel is occupied above this probability, free below
-  double min_free = 0.5;       ///< share of the seen voxels that must be free for a free cell
-  double min_seen = 0.0;       ///< share of the band that must be seen for a free cell
+  double threshold = localization_threshold;  ///< a voxel is occupied above this probability, free
+                                              ///< below both this and 0.5
+  double min_free = 0.5;  ///< share of the seen voxels that must be free for a free cell
+  double min_seen = 0.0;  ///< share of the band that must be seen for a free cell
 };
 /// Throws Error(usage) naming the field, its value and its range.
 void require_valid(const ColumnRule& rule);
@@ -60,7 +65,7 @@ void require_valid(const ColumnRule& rule);
 /// The voxels of a column that were seen.
 struct ColumnCounts {
   std::int32_t seen = 0;
-  std::int32_t free = 0;  ///< below the threshold of the rule
+  std::int32_t free = 0;  ///< below the threshold of the rule and 0.5
   float highest = 0.0F;   ///< probability
 };
 
@@ -68,9 +73,10 @@ struct ColumnCounts {
 /// and enough of that is free; unknown otherwise.
 GridCell judge_column(const ColumnCounts& column, int layers, const ColumnRule& rule);
 
-/// Takes groups of fewer than `least` occupied cells (8 neighbours) for what most of the cells
-/// around them are. Returns how many cells were changed.
-std::size_t remove_small_groups(int least, GridMap& map);
+/// Takes groups of fewer than `least` occupied cells (8 neighbours), of which none is believed more
+/// than `most` [probability], for what most of the cells around them are. Returns how many cells
+/// were changed.
+std::size_t remove_small_groups(int least, GridMap& map, double most = 1.0);
 
 /// Free cells that cannot be reached from `path` [m] over free cells (4 neighbours) become unknown.
 /// Returns how many cells were changed.
@@ -78,9 +84,10 @@ std::size_t keep_connected_free(std::span<const Eigen::Vector2d> path, GridMap& 
 
 /// A map of all that either of two knows, for maps of one resolution that are aligned to its
 /// multiples; where both do, what `b` says.
-GridMap joined(const GridMap& a, const GridMap& b);
+GridMap joined(GridMap a, GridMap b);
 
 /// The part of a map inside a rectangle [m], widened to whole cells; unknown where the map ends.
+/// The rectangle must end within 2^31 cells of the frame's origin.
 GridMap cropped(const GridMap& map, const Eigen::AlignedBox2d& area);
 
 /// The smallest part that holds all known cells, with `margin` unknown ones around.

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "kissmap/error.hpp"
 
@@ -115,6 +116,81 @@ TEST(BandMapper, IsTheSameForAnyNumberOfThreads) {
   const GridMap one = map_place(ramp, band, 1);
   EXPECT_EQ(map_place(ramp, band, 3).cells, one.cells);
   EXPECT_EQ(map_place(ramp, band, 8).cells, one.cells);
+}
+
+/// Of the cell of a place; unknown beyond the map.
+CellState state_at(const GridMap& map, double x, double y) {
+  const Eigen::Vector2i cell = map.cell_of({x, y});
+  return map.holds(cell.x(), cell.y()) ? map.at(cell.x(), cell.y()).state : CellState::unknown;
+}
+
+PlacedScan scan_of(const Eigen::Vector3d& sensor, const std::vector<Eigen::Vector3d>& places) {
+  PlacedScan scan;
+  scan.map_from_lidar.translation = sensor;
+  for (const Eigen::Vector3d& place : places)
+    scan.points.emplace_back((place - sensor).cast<float>());
+  scan.origins.assign(scan.points.size(), Eigen::Vector3f::Zero());
+  return scan;
+}
+
+// The floor is known up to x = 4 and goes on half a metre higher, which nobody can know.
+TEST(BandMapper, AFloorThatWasOnlyGuessedIsNoObstacle) {
+  std::vector<std::uint8_t> seen;
+  for (int cell = 0; cell < 40 * 40; ++cell) seen.push_back(cell % 40 < 16 ? 1 : 0);
+  const FloorMap floor({0.0, -5.0}, 0.25, 40, 40, std::vector<float>(1600, 0.0F), seen);
+  EXPECT_TRUE(floor.is_seen(3.9, 0.0));
+  EXPECT_FALSE(floor.is_seen(4.1, 0.0));
+  EXPECT_FALSE(floor.is_seen(-0.1, 0.0));
+  std::vector<Eigen::Vector3d> places;
+  for (double y = -3.0; y < 3.0; y += 0.05) {
+    places.emplace_back(5.03, y, 0.5 + 0.02 * y);  // floor, across
+    places.emplace_back(2.03, y, 0.45);            // a bench where the floor is known
+    for (const double z : {0.9, 1.7, 2.4}) places.emplace_back(7.03, y, z);  // a wall
+  }
+  const PlacedScan scan = scan_of({1.0, 0.0, 1.0}, places);
+  UprightColumns upright;
+  upright.add(scan, Rigid3{});
+  ThreadPool pool(1);
+  for (const UprightColumns* told :
+       {static_cast<const UprightColumns*>(nullptr), &std::as_const(upright)}) {
+    BandMapper mapper(floor, {0.1, 1.8, 0.1, 50.0}, {}, told);
+    mapper.add(scan, Rigid3{}, pool);
+    const GridMap map = mapper.grid({});
+    const Eigen::AlignedBox2d guessed(Eigen::Vector2d(4.9, -2.9), Eigen::Vector2d(5.2, 2.9));
+    const Eigen::AlignedBox2d bench(Eigen::Vector2d(1.9, -2.9), Eigen::Vector2d(2.2, 2.9));
+    const Eigen::AlignedBox2d wall(Eigen::Vector2d(6.9, -2.9), Eigen::Vector2d(7.2, 2.9));
+    EXPECT_EQ(count(map, CellState::occupied, guessed), told == nullptr ? 58 : 0);
+    EXPECT_EQ(count(map, CellState::occupied, bench), 58);
+    EXPECT_EQ(count(map, CellState::occupied, wall), 58);
+  }
+}
+
+TEST(BandMapper, WhereTheCarrierWentNothingStandsBelowItsSensor) {
+  const PlacedScan scan = scan_of({-2.0, 0.0, 1.0},
+                                  {{1.05, 0.05, 0.5},    // on the way
+                                   {2.05, 0.05, 1.5},    // a branch over the way
+                                   {1.05, 0.65, 0.5},    // beside it
+                                   {6.05, 0.05, 0.5}});  // beyond its end
+  ThreadPool pool(1);
+  for (const double half_width : {0.0, 0.3}) {
+    BandMapper mapper(FloorMap(), {0.1, 1.8, 0.1, 50.0}, {});
+    mapper.add(scan, Rigid3{}, pool);
+    mapper.clear_way({{-2.0, 0.0, 1.0}, {0.0, 0.0, 1.0}, {2.5, 0.0, 1.0}}, half_width);
+    mapper.clear_way({{20.0, 0.0, 1.0}}, half_width);
+    const GridMap map = mapper.grid({});
+    EXPECT_EQ(state_at(map, 1.05, 0.05), half_width > 0.0 ? CellState::free : CellState::occupied);
+    EXPECT_EQ(state_at(map, 2.05, 0.05), CellState::occupied);
+    EXPECT_EQ(state_at(map, 1.05, 0.65), CellState::occupied);
+    EXPECT_EQ(state_at(map, 6.05, 0.05), CellState::occupied);
+  }
+}
+
+TEST(BandMapper, BetweenPosesFarApartNobodyKnowsTheWay) {
+  ThreadPool pool(1);
+  BandMapper mapper(FloorMap(), {0.1, 1.8, 0.1, 50.0}, {});
+  mapper.add(scan_of({-2.0, 0.0, 1.0}, {{1.05, 0.05, 0.5}}), Rigid3{}, pool);
+  mapper.clear_way({{-2.0, 0.0, 1.0}, {4.0, 0.0, 1.0}}, 0.3);
+  EXPECT_EQ(state_at(mapper.grid({}), 1.05, 0.05), CellState::occupied);
 }
 
 TEST(BandMapper, NothingSeenIsNoMap) {

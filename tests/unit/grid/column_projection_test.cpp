@@ -40,7 +40,7 @@ TEST(ColumnProjection, JudgesEachColumnByItsVoxels) {
       ColumnCounts& column = columns[{voxel.x, voxel.y}];
       const double probability = voxels.steps().probability(value);
       ++column.seen;
-      column.free += probability < rule.threshold ? 1 : 0;
+      column.free += probability < std::min(rule.threshold, 0.5) ? 1 : 0;
       column.highest = std::max(column.highest, static_cast<float>(probability));
     });
     const GridMap map = project_columns(voxels, rule);

@@ -131,6 +131,19 @@ TEST(FloorMap, WithoutFloorIsLevel) {
   EXPECT_EQ(map.highest(), 0.0);
 }
 
+TEST(FloorMap, IsSeenWhereItWasReachedAndTwoMetresBeside) {
+  Place place;
+  const Heights level = [](double, double) { return 0.0; };
+  const Heights broken = [](double, double y) { return y > 4.0 && y < 7.5 ? std::nan("") : 0.0; };
+  const FloorMap map = place.floor(place.walk({{0.0, 0.0}, {10.0, 0.0}}, level, broken));
+  EXPECT_TRUE(map.is_seen(5.0, 0.0));
+  EXPECT_TRUE(map.is_seen(5.0, 5.5));
+  EXPECT_FALSE(map.is_seen(5.0, 6.5));
+  EXPECT_FALSE(map.is_seen(5.0, 7.8)) << "a surface beyond a gap may be another floor";
+  EXPECT_FALSE(map.is_seen(5.0, 100.0));
+  EXPECT_TRUE(FloorMap().is_seen(5.0, 100.0)) << "heights are not measured from a floor";
+}
+
 TEST(FloorMap, OfEachStoreyIsItsOwn) {
   Place place;
   // Up along y = 0 over a ramp from x = 10 to 28 to a gallery 3 m up, whose floor lies over the

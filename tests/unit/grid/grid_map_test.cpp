@@ -77,6 +77,15 @@ TEST(GridMapTest, SmallGroupsBecomeWhatIsAroundThem) {
   EXPECT_EQ(remove_small_groups(0, map), 0U);
 }
 
+TEST(GridMapTest, SmallGroupsThatAreWellSeenStay) {
+  GridMap map = map_of({".....", ".#.#.", "..#..", ".....", ".#...", "....#"});
+  map.at(1, 1).probability = 0.7F;  // the fifth row
+  map.at(4, 0).probability = 0.75F;
+  map.at(1, 4).probability = 0.7F;  // one of a group of three, the others 0.9
+  EXPECT_EQ(remove_small_groups(4, map, 0.71), 1U);
+  EXPECT_EQ(rows_of(map), (Rows{".....", ".#.#.", "..#..", ".....", ".....", "....#"}));
+}
+
 TEST(GridMapTest, FreeSpaceBehindWallsIsNotConnected) {
   GridMap map = map_of({"..#..", "..#..", "..###", ".#...", "#...."});
   // The last two rows are reached from the path; corners alone do not connect.
