@@ -100,6 +100,7 @@ struct ExportGridCommand {
   std::string mode = "trinary";
   ColumnRule rule;
   std::optional<double> threshold;   ///< none: by purpose
+  double no_return_range = 0.0;      ///< m; 0: off
   std::optional<int> min_group;      ///< cells; none: by purpose
   std::optional<double> half_width;  ///< m; none: by speed
   std::vector<double> crop;          ///< x_min, y_min, x_max, y_max [m]; or empty

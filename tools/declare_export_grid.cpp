@@ -95,6 +95,7 @@ CLI::App& declare_export_grid(CLI::App& app, ExportGridCommand& c) {
       ->type_name("X_MIN,Y_MIN,X_MAX,Y_MAX")
       ->delimiter(',')
       ->expected(4);
+  declare_no_return_range(command, c);
   declare_max_memory(command, c);
   declare_how(command, c, "replace files of that name");
   return command;

@@ -30,12 +30,7 @@ CLI::App& declare_export_voxels(CLI::App& app, ExportVoxelsCommand& c) {
                   "a voxel is occupied above this probability, after one hit it is 0.7; .ot and "
                   ".vdb leave it to their readers (0.5)")
       ->type_name("P");
-  command
-      .add_option("--no-return-range",
-                  c.no_return_range,
-                  "rays of which nothing came back are free up to here, where the log tells them "
-                  "[m]; black paint and glass swallow rays, too (0: they say nothing)")
-      ->type_name("M");
+  declare_no_return_range(command, c);
   declare_frame(command, c);
   declare_max_memory(command, c);
   declare_how(command, c, "replace FILE");

@@ -41,6 +41,18 @@ void declare_max_memory(CLI::App& command, Command& c) {
       ->type_name("GB");
 }
 
+/// Declares --no-return-range.
+template <typename Command>
+void declare_no_return_range(CLI::App& command, Command& c) {
+  command
+      .add_option("--no-return-range",
+                  c.no_return_range,
+                  "rays of which nothing came back are free up to here, where the log tells them "
+                  "(packets of sensors) [m]; black paint, glass and what is too near swallow rays, "
+                  "too (0: they say nothing)")
+      ->type_name("M");
+}
+
 /// Declares what every export takes, however it is made: that, and --overwrite.
 template <typename Command>
 void declare_how(CLI::App& command, Command& c, const char* what_is_replaced) {

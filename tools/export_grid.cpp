@@ -42,6 +42,7 @@ GridExportOptions grid_options(const ExportGridCommand& command, const Session& 
     options.z_max = localization_z_max;
     options.belief = localization_belief;
   }
+  options.belief.no_return_range = command.no_return_range;
   if (command.z_min) options.z_min = *command.z_min;
   if (command.z_max) options.z_max = *command.z_max;
   options.resolution = command.resolution;
@@ -114,6 +115,7 @@ void export_grid(const ExportGridCommand& command) {
     std::printf(
         "  note: no floor was seen under the path; heights are above the level of the start\n");
   }
+  std::fputs(describe_no_returns(command.no_return_range, summary.no_returns).c_str(), stdout);
   std::printf("  time        %.1f s\n", line.seconds());
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 void report(const std::filesystem::path& output,
             ProductFrame frame,
+            double no_return_range,
             const VoxelExportSummary& summary,
             double seconds) {
   std::printf("%s\n", printable(output.string()).c_str());
@@ -34,6 +35,7 @@ void report(const std::filesystem::path& output,
   std::printf("\n%s%s",
               describe_frame(frame, summary.frame_from_map).c_str(),
               describe_offset(summary.offset_file).c_str());
+  std::fputs(describe_no_returns(no_return_range, summary.no_returns).c_str(), stdout);
   std::printf("  time        %.1f s\n", seconds);
 }
 
@@ -83,7 +85,8 @@ void export_voxels(const ExportVoxelsCommand& command) {
         });
     seconds = line.seconds();
   }
-  if (!command.quiet) report(command.output, options.frame, summary, seconds);
+  if (command.quiet) return;
+  report(command.output, options.frame, options.no_return_range, summary, seconds);
 }
 
 }  // namespace kissmap

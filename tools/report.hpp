@@ -32,6 +32,9 @@ std::string describe_frame(ProductFrame frame, const Rigid3& frame_from_map);
 /// That coordinates lack an offset, a line; empty if they lack none.
 std::string describe_offset(const std::filesystem::path& offset_file);
 
+/// How many rays without a return were believed up to `range` [m], a line; empty if it is 0.
+std::string describe_no_returns(double range, std::uint64_t no_returns);
+
 /// Of --max-memory. Throws Error(usage) for what is no size.
 std::uint64_t bytes_of(double gigabytes);
 

@@ -80,9 +80,15 @@ CastSummary cast_in_parts(const Session& session,
   CastSummary summary;
   while (parts.start_next_part()) {
     ++summary.passes;
-    SessionReplay replay(session, options.min_range, options.max_range, options.moved_log);
+    SessionReplay replay(session,
+                         options.min_range,
+                         options.max_range,
+                         options.moved_log,
+                         1,
+                         options.no_returns ? NoReturns::placed : NoReturns::left_out);
     while (const std::optional<PlacedScan> scan = replay.next()) {
       add(*scan);
+      if (summary.passes == 1) summary.no_returns += scan->no_return_directions.size();
       parts.bound_memory();
       const std::string label = label_of(summary.passes, parts.waiting());
       progress(label.c_str(), scan->scan_idx + 1, replay.size());

@@ -18,11 +18,13 @@ struct CastOptions {
   double max_range = 100.0;         ///< m; farther ones, too
   std::filesystem::path moved_log;  ///< where the log is now, if it moved
   std::uint64_t max_memory = 0;     ///< bytes of all maps; one column of tiles may take more
+  bool no_returns = false;          ///< whether rays without a return are cast, too
 };
 
 struct CastSummary {
   std::uint64_t passes = 0;       ///< over the log
   std::uint64_t peak_memory = 0;  ///< bytes of the maps, at most
+  std::uint64_t no_returns = 0;   ///< rays without a return that the log tells, if they were cast
 };
 
 /// Gives each scan of a session to `add`, which casts its rays into `maps`, and calls `on_part`

@@ -54,6 +54,10 @@ double resolution_of(const GridExportOptions& options,
 
 void require_options(const GridExportOptions& options) {
   require_valid(options.rule);
+  const double reach = options.belief.no_return_range;
+  if (!(reach >= 0.0 && reach <= 1000.0)) {
+    throw usage_error("--no-return-range = " + number(reach) + " is outside 0..1000");
+  }
   require_valid(band_of(options, options.resolution == 0.0 ? 0.05 : options.resolution));
   if (!options.crop) return;
   for (const Eigen::Vector2d& corner : {options.crop->min(), options.crop->max()}) {
@@ -91,6 +95,7 @@ std::vector<std::string> comments(const GridExportOptions& options, const Rigid3
 
 struct StoreyMaps {
   std::vector<GridMap> maps;
+  std::uint64_t no_returns = 0;
 };
 
 /// What of the plane becomes cells: beside a crop, groups are whole as far as they count.
@@ -122,9 +127,13 @@ StoreyMaps cast_rays(const Session& session,
     voxels.push_back(&mappers.back().voxels());
   }
   std::vector<GridMap> maps(mappers.size());
-  cast_in_parts(
+  const CastSummary cast = cast_in_parts(
       session,
-      {options.min_range, options.max_range, options.moved_log, options.max_memory},
+      {options.min_range,
+       options.max_range,
+       options.moved_log,
+       options.max_memory,
+       options.belief.no_return_range > 0.0},
       voxels,
       progress,
       [&](const PlacedScan& scan) {
@@ -135,7 +144,7 @@ StoreyMaps cast_rays(const Session& session,
           maps[level] = joined(std::move(maps[level]), mappers[level].grid(options.rule, area));
         }
       });
-  return {std::move(maps)};
+  return {std::move(maps), cast.no_returns};
 }
 
 GridMap finished(GridMap map,
@@ -163,6 +172,7 @@ GridExportSummary finish_levels(StoreyMaps cast,
                                 const std::vector<fs::path>& stems,
                                 const GridExportOptions& options) {
   GridExportSummary summary;
+  summary.no_returns = cast.no_returns;
   summary.floor_seen = !options.floor_reference || survey.sensor_height > 0.0;
   for (std::uint32_t level = 0; level < survey.level_count; ++level) {
     ExportedGrid grid;

@@ -49,9 +49,14 @@ double carrier_half_width(const Session& session) {
   return *middle > least_of_cars ? half_width_of_cars : half_width_on_foot;
 }
 
-void extend(const PlacedScan& scan, const Rigid3& level_from_lidar, Eigen::AlignedBox2d& seen) {
+void extend(const PlacedScan& scan,
+            const Rigid3& level_from_lidar,
+            const GridExportOptions& options,
+            Eigen::AlignedBox2d& seen) {
   const Eigen::Vector2d sensor = level_from_lidar.translation.head<2>();
-  seen.extend(sensor);
+  const double reach = std::min(options.belief.no_return_range, options.max_range);
+  seen.extend(Eigen::Vector2d(sensor.array() - reach));
+  seen.extend(Eigen::Vector2d(sensor.array() + reach));
   for (const Eigen::Vector3f& point : scan.points) {
     seen.extend((level_from_lidar * point.cast<double>()).head<2>());
   }
@@ -103,7 +108,7 @@ GridSurvey survey_session(const Session& session,
     if (options.floor_reference) sampler.add(scan, survey.level_from_map);
     if (options.floor_reference) survey.upright.add(scan, survey.level_from_map);
     survey.path.push_back(survey.level_from_map * scan.map_from_lidar.translation);
-    extend(scan, survey.level_from_map * scan.map_from_lidar, survey.seen);
+    extend(scan, survey.level_from_map * scan.map_from_lidar, options, survey.seen);
   };
   for_each_placed_scan(session, options, "looking for the floor", progress, look);
   survey.samples = sampler.samples();

@@ -88,6 +88,7 @@ class Hdl64eDecoder final : public PacketDecoder {
                     std::size_t block,
                     std::int64_t column_ns,
                     bool dual);
+  static Eigen::Vector3f direction(const Hdl64eLaser& laser, double azimuth);
   Eigen::Vector3f point(const Hdl64eLaser& laser, double range, double azimuth) const;
   float intensity(const Hdl64eLaser& laser, unsigned raw, unsigned distance) const;
 
@@ -190,15 +191,31 @@ void Hdl64eDecoder::decode_block(const PacketBytes& packet,
   for (std::size_t shot = 0; shot < velodyne_shots_per_block; ++shot) {
     const std::size_t at = velodyne_shot_at(block, shot);
     const std::uint16_t distance = packet.u16(at);
-    if (distance == 0) continue;
-    if (second && packet.u16(velodyne_shot_at(block - banks, shot)) == distance) continue;
+    // The other return of the same shot.
+    const bool twice = dual && packet.u16(velodyne_shot_at(second ? block - banks : block + banks,
+                                                           shot)) == distance;
+    if (second && twice) continue;
+    if (distance == 0 && dual && !twice) continue;
     const Hdl64eLaser& laser = calibration_[first_laser + shot];
     const double us = shot_us(*pace_, shot);
     const double azimuth = (steps + deg_per_us_ * us / deg_per_step) * rad_per_step;
-    sweep_.add(point(laser, distance * unit_m, azimuth),
-               intensity(laser, packet.u8(at + 2), distance),
-               column_ns + std::llround(us * ns_per_us));
+    const std::int64_t time_ns = column_ns + std::llround(us * ns_per_us);
+    if (distance == 0) {
+      sweep_.add_no_return(direction(laser, azimuth), time_ns);
+    } else {
+      sweep_.add(point(laser, distance * unit_m, azimuth),
+                 intensity(laser, packet.u8(at + 2), distance),
+                 time_ns);
+    }
   }
+}
+
+Eigen::Vector3f Hdl64eDecoder::direction(const Hdl64eLaser& laser, double azimuth) {
+  const double turned = azimuth - laser.rotation;
+  const double level = std::cos(laser.elevation);
+  const Eigen::Vector3d ahead(
+      level * std::cos(turned), -level * std::sin(turned), std::sin(laser.elevation));
+  return ahead.cast<float>();
 }
 
 // The manual's own x points right and its y forward.

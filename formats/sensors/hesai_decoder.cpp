@@ -40,6 +40,9 @@ class HesaiDecoder final : public PacketDecoder {
                const HesaiPacket& packet,
                std::size_t block,
                std::size_t shot_at) const;
+  bool nothing_returned(const PacketBytes& bytes,
+                        const HesaiPacket& packet,
+                        std::size_t shot_at) const;
   Eigen::Vector3f point(double range, double azimuth_deg, std::size_t laser) const;
   void use(const HesaiModel& model);
 
@@ -123,11 +126,18 @@ void HesaiDecoder::decode_column(const PacketBytes& bytes,
       const std::size_t in_block = packet.azimuth_at + 2 + laser * packet.shot_size;
       const std::size_t at = packet.block_start(block) + in_block;
       const std::uint16_t distance = bytes.u16(at);
-      if (distance == 0 || repeats(bytes, packet, block, at)) continue;
+      if (repeats(bytes, packet, block, at)) continue;
+      if (distance == 0 && (block != first_block || !nothing_returned(bytes, packet, at))) continue;
       const double turned_deg = azimuth_deg + deg_per_us * firing_us[laser];
-      sweep_.add(point(distance * packet.unit_m, turned_deg, laser),
-                 static_cast<float>(bytes.u8(at + 2)),
-                 packet.time_ns + std::llround((column_us + firing_us[laser]) * ns_per_us));
+      const std::int64_t time_ns =
+          packet.time_ns + std::llround((column_us + firing_us[laser]) * ns_per_us);
+      if (distance == 0) {
+        sweep_.add_no_return(point(1.0, turned_deg, laser), time_ns);
+      } else {
+        sweep_.add(point(distance * packet.unit_m, turned_deg, laser),
+                   static_cast<float>(bytes.u8(at + 2)),
+                   time_ns);
+      }
     }
   }
 }
@@ -141,6 +151,16 @@ bool HesaiDecoder::repeats(const PacketBytes& bytes,
     if (bytes.u16(shot_at - earlier * packet.block_size) == distance) return true;
   }
   return false;
+}
+
+// Of a shot whose place in the first block of its column is given.
+bool HesaiDecoder::nothing_returned(const PacketBytes& bytes,
+                                    const HesaiPacket& packet,
+                                    std::size_t shot_at) const {
+  for (std::size_t later = 0; later < packet.returns; ++later) {
+    if (bytes.u16(shot_at + later * packet.block_size) != 0) return false;
+  }
+  return true;
 }
 
 Eigen::Vector3f HesaiDecoder::point(double range, double azimuth_deg, std::size_t laser) const {

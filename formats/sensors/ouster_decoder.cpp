@@ -34,8 +34,7 @@ class OusterOptics {
   }
 
   Eigen::Vector3f point(std::size_t beam, std::size_t column, std::uint32_t range_mm) const {
-    const double turned = 2.0 * std::numbers::pi *
-                          (1.0 - static_cast<double>(column) / static_cast<double>(columns_));
+    const double turned = turned_at(column);
     const double c = std::cos(turned);
     const double s = std::sin(turned);
     const auto& [ca, sa, cp, sp] = beams_[beam];
@@ -46,7 +45,21 @@ class OusterOptics {
     return (1e-3 * (sensor_from_lidar_ * lidar)).cast<float>();
   }
 
+  Eigen::Vector3f direction(std::size_t beam, std::size_t column) const {
+    const double turned = turned_at(column);
+    const double c = std::cos(turned);
+    const double s = std::sin(turned);
+    const auto& [ca, sa, cp, sp] = beams_[beam];
+    const Eigen::Vector3d lidar((c * ca - s * sa) * cp, (s * ca + c * sa) * cp, sp);
+    return (sensor_from_lidar_.linear() * lidar).normalized().cast<float>();
+  }
+
  private:
+  double turned_at(std::size_t column) const {
+    return 2.0 * std::numbers::pi *
+           (1.0 - static_cast<double>(column) / static_cast<double>(columns_));
+  }
+
   std::size_t columns_;
   Eigen::Vector3d origin_;
   Eigen::Isometry3d sensor_from_lidar_;
@@ -173,8 +186,10 @@ class OusterDecoder : public PacketDecoder {
           std::span(frame.pixels)
               .subspan(column * column_size() + beam * profile.pixel_bytes, profile.pixel_bytes);
       std::uint64_t before = 0;
+      bool returned = false;
       for (std::size_t k = 0; k < 2 && profile.range[k].width > 0; ++k) {
         const std::uint64_t steps = OusterPackets::read(pixel, profile.range[k]);
+        returned |= steps != 0;
         if (steps == 0 || steps == before) continue;
         before = steps;
         const auto range_mm = static_cast<std::uint32_t>(steps) * profile.range_step_mm;
@@ -186,6 +201,11 @@ class OusterDecoder : public PacketDecoder {
         scan.intensities.push_back(static_cast<float>(OusterPackets::read(pixel, field)));
         scan.time_offsets.push_back(time);
       }
+      if (returned) continue;
+      const Eigen::Vector3f direction = optics_.direction(beam, column);
+      if (!direction.allFinite()) continue;  // the transform comes with the metadata
+      scan.no_return_directions.push_back(direction);
+      scan.no_return_time_offsets.push_back(time);
     }
   }
 

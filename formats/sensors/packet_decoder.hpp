@@ -23,9 +23,10 @@ struct PacketCounts {
 };
 
 /// Turns the data packets of one sensor into sweeps. Points are in the sensor's own frame with x
-/// forward, y left, z up where its maker does not define another [m]; returns without distance are
-/// left out and not counted. Stamps are those of the first point of a sweep (sweep_start), times
-/// relative to it recorded, compensation none. Not thread safe.
+/// forward, y left, z up where its maker does not define another [m]; a shot that nothing came
+/// back of gives its direction (Scan::no_return_directions) and no point. Stamps are those of the
+/// first point of a sweep (sweep_start), times relative to it recorded, compensation none. Not
+/// thread safe.
 class PacketDecoder {
  public:
   virtual ~PacketDecoder() = default;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace kissmap {
@@ -15,7 +16,7 @@ constexpr std::int64_t longest_gap_ns = 300'000'000;
 constexpr std::int64_t longest_sweep_ns = 1'000'000'000;
 constexpr double most_turns_lost = 0.5;
 constexpr double longest_column_s = 0.01;  // longer steps in time are interruptions: no measure
-constexpr std::size_t most_points = 4'000'000;
+constexpr std::size_t most_shots = 4'000'000;
 constexpr std::int64_t day_ns = 86'400'000'000'000;
 constexpr double seconds_per_ns = 1e-9;
 
@@ -30,9 +31,20 @@ double step_deg(double from, double to) {
   return forwards > full_turn_deg - backwards_deg ? forwards - full_turn_deg : forwards;
 }
 
+std::vector<float> seconds_after(std::int64_t first_ns, std::span<const std::int64_t> times_ns) {
+  std::vector<float> seconds;
+  seconds.reserve(times_ns.size());
+  for (const std::int64_t time_ns : times_ns) {
+    const auto passed_ns = static_cast<double>(time_ns - first_ns);
+    seconds.push_back(static_cast<float>(passed_ns * seconds_per_ns));
+  }
+  return seconds;
+}
+
 }  // namespace
 
 void SweepBuilder::begin_column(double azimuth_deg, std::int64_t time_ns, std::int64_t host_ns) {
+  end_column();
   if (!begun_) {
     restart(azimuth_deg, time_ns, host_ns);
     return;
@@ -56,7 +68,7 @@ void SweepBuilder::begin_column(double azimuth_deg, std::int64_t time_ns, std::i
     covered_deg_ = std::remainder(covered_deg_, full_turn_deg);
     begin_sweep(time_ns, host_ns);
   } else if (apart_by_more_than(time_ns, sweep_time_ns_, longest_sweep_ns) ||
-             scan_.points.size() > most_points) {
+             scan_.points.size() + scan_.no_return_directions.size() > most_shots) {
     finish();
     restart(azimuth_deg, time_ns, host_ns);
   }
@@ -96,17 +108,33 @@ void SweepBuilder::add(const Eigen::Vector3f& point, float intensity, std::int64
   times_ns_.push_back(time_ns);
 }
 
+void SweepBuilder::add_no_return(const Eigen::Vector3f& direction, std::int64_t time_ns) {
+  if (!direction.allFinite()) return;  // as angles of a calibration may be
+  scan_.no_return_directions.push_back(direction);
+  no_return_times_ns_.push_back(time_ns);
+}
+
+void SweepBuilder::end_column() {
+  if (scan_.points.size() == column_points_) {
+    scan_.no_return_directions.resize(column_no_returns_);
+    no_return_times_ns_.resize(column_no_returns_);
+  }
+  column_points_ = scan_.points.size();
+  column_no_returns_ = scan_.no_return_directions.size();
+}
+
 void SweepBuilder::finish() {
+  end_column();
   begun_ = false;
+  column_points_ = 0;
+  column_no_returns_ = 0;
   Scan scan = std::exchange(scan_, {});
   const std::vector<std::int64_t> times_ns = std::exchange(times_ns_, {});
+  const std::vector<std::int64_t> no_return_times_ns = std::exchange(no_return_times_ns_, {});
   if (times_ns.empty()) return;
   const std::int64_t first_ns = *std::min_element(times_ns.begin(), times_ns.end());
-  scan.time_offsets.reserve(times_ns.size());
-  for (const std::int64_t time_ns : times_ns) {
-    scan.time_offsets.push_back(
-        static_cast<float>(static_cast<double>(time_ns - first_ns) * seconds_per_ns));
-  }
+  scan.time_offsets = seconds_after(first_ns, times_ns);
+  scan.no_return_time_offsets = seconds_after(first_ns, no_return_times_ns);
   const bool clock_unset = apart_by_more_than(first_ns, sweep_host_ns_, day_ns);
   scan.stamp_ns = clock_unset ? sweep_host_ns_ : first_ns;
   scan.stamp_instant = StampInstant::sweep_start;

@@ -47,7 +47,12 @@ class VelodyneDecoder final : public PacketDecoder {
                     const VelodyneBlocks& blocks,
                     std::int64_t host_ns);
   void decode_block(const PacketBytes& packet, std::size_t block, const VelodyneBlocks& blocks);
-  void emit(const PacketBytes& packet, std::size_t block, std::size_t shot, std::size_t laser);
+  struct Shot {
+    double azimuth, elevation;  ///< rad; the azimuth clockwise from above
+    std::int64_t time_ns;
+    Eigen::Vector3f at(double range) const;
+  };
+  Shot aim(const PacketBytes& packet, std::size_t block, std::size_t shot, std::size_t laser) const;
 
   const VelodyneModel* model_ = nullptr;
   SweepBuilder sweep_{sweeps_};
@@ -151,30 +156,40 @@ void VelodyneDecoder::decode_block(const PacketBytes& packet,
   for (std::size_t shot = 0; shot < velodyne_shots_per_block; ++shot) {
     const std::size_t at = velodyne_shot_at(block, shot);
     const std::uint16_t distance = packet.u16(at);
-    if (distance == 0) continue;
     const bool second = blocks.dual && block % 2 == 1;
-    if (second && packet.u16(velodyne_shot_at(block - 1, shot)) == distance) continue;
-    emit(packet, block, shot, (first_laser + shot) % model_->lasers.size());
+    // The other return of the same shot.
+    const bool twice = blocks.dual && packet.u16(velodyne_shot_at(second ? block - 1 : block + 1,
+                                                                  shot)) == distance;
+    if (second && twice) continue;
+    if (distance == 0 && blocks.dual && !twice) continue;
+    const Shot aimed = aim(packet, block, shot, (first_laser + shot) % model_->lasers.size());
+    if (distance == 0) {
+      sweep_.add_no_return(aimed.at(1.0), aimed.time_ns);
+    } else {
+      sweep_.add(aimed.at(distance * model_->unit_m),
+                 static_cast<float>(packet.u8(at + 2)),
+                 aimed.time_ns);
+    }
   }
 }
 
-void VelodyneDecoder::emit(const PacketBytes& packet,
-                           std::size_t block,
-                           std::size_t shot,
-                           std::size_t laser) {
-  const std::size_t at = velodyne_shot_at(block, shot);
+VelodyneDecoder::Shot VelodyneDecoder::aim(const PacketBytes& packet,
+                                           std::size_t block,
+                                           std::size_t shot,
+                                           std::size_t laser) const {
   const double shot_us = velodyne_shot_us(model_->pace, time_block_, shot, group_us_);
   const double azimuth = (velodyne_azimuth_steps(packet, block) * deg_per_step +
                           deg_per_us_ * (shot_us - column_us_) - model_->lasers[laser].turned_deg) *
                          rad_per_deg;
   const double elevation = model_->lasers[laser].elevation_deg * rad_per_deg;
-  const double range = packet.u16(at) * model_->unit_m;
+  return {azimuth, elevation, packet_ns_ + std::llround(shot_us * ns_per_us)};
+}
+
+Eigen::Vector3f VelodyneDecoder::Shot::at(double range) const {
   const double level = range * std::cos(elevation);
   const Eigen::Vector3d point(
       level * std::cos(azimuth), -level * std::sin(azimuth), range * std::sin(elevation));
-  sweep_.add(point.cast<float>(),
-             static_cast<float>(packet.u8(at + 2)),
-             packet_ns_ + std::llround(shot_us * ns_per_us));
+  return point.cast<float>();
 }
 
 }  // namespace

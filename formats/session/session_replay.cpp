@@ -26,12 +26,14 @@ SessionReplay::SessionReplay(const Session& session,
                              double min_range,
                              double max_range,
                              const std::filesystem::path& moved_to,
-                             std::uint64_t every)
+                             std::uint64_t every,
+                             NoReturns no_returns)
     : session_(session),
       log_(open_session_log(session, moved_to)),
       min_range_(min_range),
       max_range_(max_range),
-      every_(every) {
+      every_(every),
+      no_returns_(no_returns) {
   if (every_ == 1) log_ = read_ahead(std::move(log_));
 }
 
@@ -48,6 +50,7 @@ std::optional<PlacedScan> SessionReplay::next() {
   }
   const MappedScan* before = next_idx_ == 0 ? nullptr : &session_.scans[next_idx_ - 1].mapped;
   PlacedScan placed = place_scan(*scan, before, row.mapped, min_range_, max_range_);
+  if (no_returns_ == NoReturns::placed) place_no_returns(*scan, before, row.mapped, placed);
   placed.scan_idx = next_idx_;
   next_idx_ += every_;
   if (every_ > 1 && next_idx_ < session_.scans.size()) {

@@ -63,12 +63,13 @@ class BandMapper::Impl {
       : floor_(floor),
         upright_(upright),
         band_((require_valid(band), band)),
-        belief_(belief),
+        belief_((require_between("no-return range", belief.no_return_range, 0.0, 1000.0), belief)),
         voxels_(geometry_of(band), {belief.log_odds}),
         swept_(band.resolution) {}
 
   void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool) {
-    const ScanRays straight = occupancy::rays_of(scan, level_from_map * scan.map_from_lidar, 0.0);
+    const ScanRays straight = occupancy::rays_of(
+        scan, level_from_map * scan.map_from_lidar, belief_.no_return_range);
     const std::size_t rays = straight.starts.size();
     std::vector<ScanRays> parts((rays + rays_per_part - 1) / rays_per_part);
     pool.for_each_chunk(parts.size(), [&](std::size_t part) {
@@ -101,12 +102,14 @@ class BandMapper::Impl {
     const Eigen::Vector3d end = rays.offset + rays.ends[i].cast<double>();
     const double range = (end - start).norm();
     if (!(range > 0.0)) return;
-    if (range <= band_.max_range) {
+    const bool returned = rays.is_hit[i] != 0;
+    if (returned && range <= band_.max_range) {
       const Eigen::Vector3d hit(end.x(), end.y(), end.z() - floor_.height(end.x(), end.y()));
       const bool in_band = hit.z() >= band_.z_min && hit.z() < band_.z_max;
       if (in_band && is_no_floor(end)) push(hit, hit, 1, bent);
     }
-    const double free = std::min(range - belief_.free_margin, band_.max_range);
+    const double margin = returned ? belief_.free_margin : 0.0;
+    const double free = std::min(range - margin, band_.max_range);
     if (!(free > 0.0)) return;
     const std::optional<Segment> near =
         part_near_band({start, start + free / range * (end - start)});

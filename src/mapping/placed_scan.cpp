@@ -17,22 +17,6 @@ std::optional<SweepMotion> final_motion(const Scan& scan,
   return sweep_motion(scan, sweep_start_from_sweep_end(before, mapped, seconds));
 }
 
-void place_no_returns(const Scan& scan,
-                      const std::optional<SweepMotion>& motion,
-                      PlacedScan& placed) {
-  const bool timed = motion && !scan.no_return_time_offsets.empty();
-  placed.no_return_directions = scan.no_return_directions;
-  placed.no_return_origins.assign(scan.no_return_directions.size(), Eigen::Vector3f::Zero());
-  if (!timed) return;
-  for (std::size_t i = 0; i < scan.no_return_directions.size(); ++i) {
-    const float time = scan.no_return_time_offsets[i];
-    const Eigen::Vector3f origin = motion->to_sweep_end(Eigen::Vector3f::Zero(), time);
-    placed.no_return_origins[i] = origin;
-    placed.no_return_directions[i] =
-        (motion->to_sweep_end(scan.no_return_directions[i], time) - origin).normalized();
-  }
-}
-
 }  // namespace
 
 Rigid3 sweep_start_from_sweep_end(const MappedScan* before,
@@ -79,8 +63,25 @@ PlacedScan place_scan(const Scan& scan,
     if (!scan.intensities.empty()) placed.intensities.push_back(scan.intensities[i]);
     if (!scan.time_offsets.empty()) placed.time_offsets.push_back(scan.time_offsets[i] - late);
   }
-  place_no_returns(scan, motion, placed);
   return placed;
+}
+
+void place_no_returns(const Scan& scan,
+                      const MappedScan* before,
+                      const MappedScan& mapped,
+                      PlacedScan& placed) {
+  const std::optional<SweepMotion> motion = final_motion(scan, before, mapped);
+  const bool timed = motion && !scan.no_return_time_offsets.empty();
+  placed.no_return_directions = scan.no_return_directions;
+  placed.no_return_origins.assign(scan.no_return_directions.size(), Eigen::Vector3f::Zero());
+  if (!timed) return;
+  for (std::size_t i = 0; i < scan.no_return_directions.size(); ++i) {
+    const float time = scan.no_return_time_offsets[i];
+    const Eigen::Vector3f origin = motion->to_sweep_end(Eigen::Vector3f::Zero(), time);
+    placed.no_return_origins[i] = origin;
+    placed.no_return_directions[i] =
+        (motion->to_sweep_end(scan.no_return_directions[i], time) - origin).normalized();
+  }
 }
 
 }  // namespace kissmap

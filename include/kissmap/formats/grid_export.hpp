@@ -52,6 +52,7 @@ struct GridExportSummary {
   std::vector<ExportedGrid> levels;  ///< from the lowest up
   std::uint32_t levels_outside = 0;  ///< of which nothing was seen in the crop: not written
   bool floor_seen = true;            ///< false: heights are those above the level of the start
+  std::uint64_t no_returns = 0;      ///< rays without a return; 0 unless they are believed
 };
 
 /// Casts the rays of a session's scans and writes a map of each storey the path goes through:

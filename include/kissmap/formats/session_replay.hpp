@@ -11,6 +11,9 @@
 
 namespace kissmap {
 
+/// Whether a replay also places shots that nothing came back of, which takes time.
+enum class NoReturns : std::uint8_t { left_out, placed };
+
 /// The scans of a finished session, read again from its log (or pack) and placed by its final
 /// trajectory, deskewed with that trajectory, too. Reads ahead on a thread of its own; memory holds
 /// a few scans. To start again, make another. Not thread safe.
@@ -24,7 +27,8 @@ class SessionReplay {
                 double min_range,
                 double max_range,
                 const std::filesystem::path& moved_to = {},
-                std::uint64_t every = 1);
+                std::uint64_t every = 1,
+                NoReturns no_returns = NoReturns::left_out);
 
   /// The next scan, or nothing after the last. Throws Error(input) where the log has changed or
   /// ends too early.
@@ -38,6 +42,7 @@ class SessionReplay {
   double min_range_;
   double max_range_;
   std::uint64_t every_;
+  NoReturns no_returns_;
   std::uint64_t next_idx_ = 0;
 };
 

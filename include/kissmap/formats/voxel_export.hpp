@@ -35,6 +35,7 @@ struct VoxelExportSummary {
   std::uint64_t scans = 0;         ///< whose rays were cast
   std::uint64_t rays = 0;          ///< all that were cast or skipped
   std::uint64_t skipped_rays = 0;  ///< not finite, or too far for any map
+  std::uint64_t no_returns = 0;    ///< of the rays; 0 without no_return_range
   std::uint64_t memory = 0;        ///< bytes of all parts of the map when they were complete
   std::uint64_t peak_memory = 0;   ///< bytes of the map at most
   std::uint64_t passes = 0;        ///< over the log

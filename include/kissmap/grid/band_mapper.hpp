@@ -31,11 +31,13 @@ void require_valid(const GridBand& band);
 struct BandBelief {
   LogOddsOptions log_odds{0.7, 0.45, 0.12, 0.97, 0.5};
   double free_margin = 0.1;  ///< m before a hit that are not taken for free
+  /// m, 0..1000; rays of which nothing came back are free up to here, 0: they say nothing
+  double no_return_range = 0.0;
 };
 
 /// For bands of one or two layers, where a chair's leg is hit seldom and seen past often, by
 /// poses that are good to a few centimetres: a look through counts a third of what is usual.
-inline constexpr BandBelief localization_belief{{0.7, 0.465, 0.12, 0.97, 0.5}, 0.1};
+inline constexpr BandBelief localization_belief{{0.7, 0.465, 0.12, 0.97, 0.5}, 0.1, 0.0};
 
 /// 3D occupancy of a band above the floor, and the 2D map it makes.
 ///

@@ -25,6 +25,7 @@ struct PlacedScan {
   std::vector<float> intensities;        ///< parallel, or empty
   std::vector<float> time_offsets;       ///< s after pose_stamp_ns, parallel, or empty
 
+  /// Of shots that nothing came back of, where they were asked for: see place_no_returns().
   std::vector<Eigen::Vector3f> no_return_directions;  ///< unit
   std::vector<Eigen::Vector3f> no_return_origins;     ///< m, parallel
 };
@@ -37,11 +38,18 @@ Rigid3 sweep_start_from_sweep_end(const MappedScan* before,
                                   double sweep_seconds);
 
 /// Places the points whose range after deskewing is between min_range and max_range [m]. `before`
-/// is the scan placed before this one, null for the first. Deskews where odometry did. Pure.
+/// is the scan placed before this one, null for the first. Deskews where odometry did. Shots
+/// without a return are left out: few ask for them, and outdoors they are half of all. Pure.
 PlacedScan place_scan(const Scan& scan,
                       const MappedScan* before,
                       const MappedScan& mapped,
                       double min_range,
                       double max_range);
+
+/// Adds the shots without a return to a scan that was placed by the same arguments.
+void place_no_returns(const Scan& scan,
+                      const MappedScan* before,
+                      const MappedScan& mapped,
+                      PlacedScan& placed);
 
 }  // namespace kissmap

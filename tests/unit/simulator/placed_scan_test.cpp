@@ -89,8 +89,12 @@ TEST_F(PlacedScanOfACar, PointsLieOnSurfaces) {
 
 TEST_F(PlacedScanOfACar, DirectionsWithoutReturnStartWhereTheSensorWas) {
   const MappedScan before = true_place(simulator_, 99);
-  const PlacedScan placed =
-      place_scan(simulator_.scan(100), &before, true_place(simulator_, 100), min_range, max_range);
+  const MappedScan mapped = true_place(simulator_, 100);
+  const Scan scan = simulator_.scan(100);
+  PlacedScan placed = place_scan(scan, &before, mapped, min_range, max_range);
+  EXPECT_TRUE(placed.no_return_directions.empty());
+  place_no_returns(scan, &before, mapped, placed);
+  ASSERT_EQ(placed.no_return_directions.size(), scan.no_return_directions.size());
   ASSERT_GT(placed.no_return_directions.size(), 100U);
   ASSERT_EQ(placed.no_return_origins.size(), placed.no_return_directions.size());
   for (const Eigen::Vector3f& direction : placed.no_return_directions) {
