@@ -179,7 +179,10 @@ std::optional<std::int64_t> nanoseconds_from_date(std::string_view text) {
   const auto seconds = instant.time_since_epoch().count();
   const std::string_view fraction = text.substr(shape.size());
   if (!fraction.empty() && !fraction.starts_with('.')) return std::nullopt;
-  const auto ns = fraction.size() < 2 ? 0 : nanoseconds_from_seconds(fraction);
+  const bool has_digits = fraction.size() > 1;
+  // Digits alone: with an exponent it would be no fraction of a second.
+  if (has_digits && !all_digits(fraction.substr(1))) return std::nullopt;
+  const auto ns = has_digits ? nanoseconds_from_seconds(fraction) : 0;
   if (!ns) return std::nullopt;
   return seconds * nanoseconds_per_second + *ns;
 }

@@ -103,6 +103,8 @@ TEST(Dates, AreReadAsUtc) {
                            "2011-09-26T13:02:25.9",
                            "2011-09-26 24:00:00",
                            "2011-09-26 13:02:25,9",
+                           "2011-09-26 13:02:25.9E1",  // nine seconds, no fraction
+                           "2058-03-01 22:08:06.9E10",
                            "9999-01-01 00:00:00"}) {
     EXPECT_EQ(nanoseconds_from_date(text), std::nullopt) << text;
   }
