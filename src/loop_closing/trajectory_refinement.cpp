@@ -17,9 +17,9 @@ constexpr ClosureSigmas closure_sigmas{0.05, 0.004};
 constexpr ClosureSigmas neighbor_sigmas{0.05, 0.002};
 constexpr double far_reaching = 25.0;  // m
 
-// From scan to scan odometry pitches and rolls more than its drift over metres tells. Where
-// surfaces say how scans lie, it has as little to say as that.
-constexpr double scan_rotation_per_drift = 0.3;
+// From scan to scan odometry turns by more than its drift over metres tells. Where surfaces say how
+// scans lie, it has as little to say as that.
+constexpr double wavering = 0.007;  // rad
 
 ClosureSigmas sigmas_of(const NeighborLink& neighbor) {
   const double share = std::min(1.0, neighbor.extent / far_reaching);
@@ -90,8 +90,8 @@ PoseGraphEdge link(std::span<const ScanPlace> scans,
 /// Of the edges from scan to scan, which come first.
 void loosen_rotations(std::size_t scans, PoseGraph& graph) {
   for (std::size_t i = 0; i + 1 < scans; ++i) {
-    graph.edges[i].information.diagonal().tail<3>() *=
-        scan_rotation_per_drift * scan_rotation_per_drift;
+    auto information = graph.edges[i].information.diagonal().tail<3>();
+    information = (information.array().inverse() + wavering * wavering).inverse();
   }
 }
 
