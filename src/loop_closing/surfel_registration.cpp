@@ -239,7 +239,7 @@ SurfelAlignment register_points(std::span<const Eigen::Vector3f> points_in_query
 }
 
 Eigen::Matrix<double, 6, 6> information_of(const SurfelAlignment& alignment) {
-  Eigen::Matrix<double, 6, 6> hessian = 0.5 * (alignment.hessian + alignment.hessian.transpose());
+  Eigen::Matrix<double, 6, 6> hessian = alignment.hessian;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> faces(
       Eigen::Matrix3d(hessian.topLeftCorner<3, 3>()));
   for (int i = 0; i < 3; ++i) {
@@ -251,7 +251,8 @@ Eigen::Matrix<double, 6, 6> information_of(const SurfelAlignment& alignment) {
     hessian = others * hessian * others;
   }
   Eigen::Matrix<double, 6, 6> information =
-      independent_pairs / alignment.pairs / (pair_sigma * pair_sigma) * hessian;
+      0.5 * independent_pairs / alignment.pairs / (pair_sigma * pair_sigma) *
+      (hessian + hessian.transpose());     // to the last bit, as what is written and read back
   information.diagonal().array() += 1e-6;  // never singular
   return information;
 }
