@@ -86,7 +86,9 @@ class OfficeBySlam : public testing::Test {
     {
       SCOPED_TRACE("localization");
       expect_office_plan(found[1]);
-      EXPECT_LE(found[1].widest_wall_gap, 2);
+      // By true poses two cells, see office_grid_test; by poses found the band of 0.1 m misses
+      // more.
+      EXPECT_LE(found[1].widest_wall_gap, 4);
       expect_doors_as_they_are(robot_.office(), maps[1]);
     }
   }

@@ -115,7 +115,7 @@ void expect_plan(const GridQuality& quality) {
 }
 
 TEST_F(SlopedBySlam, AHillyStreetIsItsPlan) {
-  drive("hill", 400);
+  drive("hill", 512);
   export_grid();
   const GridMap map =
       loaded("map.yaml", {Eigen::Vector2d(-80.0, -60.0), Eigen::Vector2d(200.0, 140.0)});
