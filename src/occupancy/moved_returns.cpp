@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "kissmap/occupancy/moved_returns.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -47,14 +49,23 @@ class MovedReturns::Impl {
   void decide(ThreadPool& pool) {
     cast_batch(pool);
     std::atomic<std::size_t> all = 0;
-    std::atomic<std::size_t> moved = 0;
     sightings_.for_each(pool, [&](const Voxel& voxel, Sighting& sighting) {
-      sighting.moved = is_passed_around(voxel);
+      sighting.passed = is_passed(voxel, sighting);
       ++all;
-      moved += sighting.moved ? 1 : 0;
     });
     voxels_ = all;
-    moved_voxels_ = moved;
+    std::mutex mutex;
+    std::vector<Voxel> starts;
+    sightings_.for_each(pool, [&](const Voxel& voxel, Sighting& sighting) {
+      const Surroundings around = surroundings(voxel);
+      sighting.in_group =
+          sighting.passed && around.passed >= std::min(most_wanted, 0.5 * around.seen);
+      if (!sighting.in_group) return;
+      const std::lock_guard lock(mutex);
+      starts.push_back(voxel);
+    });
+    moved_voxels_ = 0;
+    for (const Voxel& start : starts) decide_group(start);
   }
 
   bool moved(const Eigen::Vector3d& place) const {
@@ -70,6 +81,11 @@ class MovedReturns::Impl {
   static constexpr GrazingOptions grazing{0.1, 0.03};
 
   static constexpr std::size_t most_together = 100;
+  static constexpr double own_weight = 8.0;  // beside the 27 voxels around, itself among them
+  static constexpr double most_wanted =
+      8.0;  // voxels passed around one in a group, or half of them
+  static constexpr std::size_t large_group = 100;
+  static constexpr double most_standing = 0.15;  // of the voxels around a group that is alone
 
   void cast_batch(ThreadPool& pool) {
     std::vector<RayScan> views;
@@ -78,20 +94,72 @@ class MovedReturns::Impl {
     batch_.clear();
   }
 
-  bool is_passed_around(const Voxel& voxel) const {
-    double hits = 0.0;
-    double passages = 0.0;
+  /// A voxel and its 26 neighbours, those with returns.
+  template <class Visit>
+  void for_each_around(const Voxel& voxel, Visit&& visit) const {
     for (std::int32_t z = -1; z <= 1; ++z) {
       for (std::int32_t y = -1; y <= 1; ++y) {
         for (std::int32_t x = -1; x <= 1; ++x) {
-          const Sighting* near = sightings_.at({voxel.x + x, voxel.y + y, voxel.z + z});
-          if (near == nullptr) continue;
-          hits += near->hits;
-          passages += near->passages;
+          const Voxel place{voxel.x + x, voxel.y + y, voxel.z + z};
+          if (const Sighting* near = sightings_.at(place)) visit(place, *near);
         }
       }
     }
+  }
+
+  bool is_passed(const Voxel& voxel, const Sighting& sighting) const {
+    double hits = own_weight * sighting.hits;
+    double passages = own_weight * sighting.passages;
+    for_each_around(voxel, [&](const Voxel&, const Sighting& near) {
+      hits += near.hits;
+      passages += near.passages;
+    });
     return passages > options_.passages_per_hit * hits;
+  }
+
+  struct Surroundings {
+    double seen = 0.0;  ///< voxels with returns, itself included
+    double passed = 0.0;
+  };
+  Surroundings surroundings(const Voxel& voxel) const {
+    Surroundings around;
+    for_each_around(voxel, [&](const Voxel&, const Sighting& near) {
+      around.seen += 1.0;
+      around.passed += near.passed ? 1.0 : 0.0;
+    });
+    return around;
+  }
+
+  /// The voxels of a group that was not decided yet, taken out of it.
+  std::vector<Voxel> take_group(const Voxel& start) {
+    std::vector<Voxel> group;
+    const auto take = [&](const Voxel& voxel) {
+      Sighting* sighting = sightings_.at(voxel);
+      if (sighting == nullptr || !sighting->in_group) return;
+      sighting->in_group = false;
+      group.push_back(voxel);
+    };
+    take(start);
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const Voxel voxel = group[i];
+      for_each_around(voxel, [&](const Voxel& near, const Sighting&) { take(near); });
+    }
+    return group;
+  }
+
+  /// What is small and part of what stands, as the edge of a desk, has not moved.
+  void decide_group(const Voxel& start) {
+    const std::vector<Voxel> group = take_group(start);
+    Surroundings all;
+    for (const Voxel& voxel : group) {
+      const Surroundings around = surroundings(voxel);
+      all.seen += around.seen;
+      all.passed += around.passed;
+    }
+    const bool alone = all.seen - all.passed <= most_standing * all.seen;
+    if (group.size() < large_group && !alone) return;
+    for (const Voxel& voxel : group) sightings_.at(voxel)->moved = true;
+    moved_voxels_ += group.size();
   }
 
   MovedReturnsOptions options_;

@@ -11,6 +11,7 @@
 
 #include "kissmap/occupancy/occupancy_geometry.hpp"
 #include "kissmap/parallel/thread_pool.hpp"
+#include "occupancy/hits_around.hpp"
 #include "occupancy/scan_caster.hpp"
 #include "occupancy/tile.hpp"
 
@@ -24,11 +25,10 @@ struct Sighting {
   std::uint32_t returns = 0;
   std::uint16_t hits = 0;      ///< scans with a return in it
   std::uint16_t passages = 0;  ///< others of which a ray passed through them, see add_rays()
+  bool passed = false;         ///< more often than hit, it and what is around
+  bool in_group = false;       ///< passed, and much around it, too
   bool moved = false;
 };
-
-/// Voxels that were hit, by tile.
-using HitMasks = std::unordered_map<VoxelKey, TileMask>;
 
 /// Sightings of all voxels with a return; see MovedReturns. First all returns are added, then
 /// settle() is called, then all rays are added.
@@ -43,6 +43,7 @@ class Sightings {
   void add_rays(std::span<const RayScan> together, ThreadPool& pool);
 
   const Sighting* at(const Voxel& voxel) const;  ///< null where there was no return
+  Sighting* at(const Voxel& voxel);
   const OccupancyGeometry& geometry() const { return geometry_; }
 
   /// Calls body(voxel, sighting) for all, those of different tiles at the same time.

@@ -12,9 +12,9 @@ namespace kissmap {
 
 struct MovedReturnsOptions {
   double voxel_size = 0.1;  ///< m
-  /// A voxel holds what moved if more than this number of passages comes on each hit, in it and its
-  /// 26 neighbours together.
-  double passages_per_hit = 1.0;
+  /// A voxel was passed if more than this number of passages comes on each hit, in it and its 26
+  /// neighbours together, where its own count nine times.
+  double passages_per_hit = 0.88;
   double seconds_together = 0.5;  ///< that scans with and without a return may be apart
 };
 
@@ -31,10 +31,14 @@ struct MovedReturnsOptions {
 /// two hits, and poses that are a little off put it here now and there then. What moves is passed
 /// by many rays before it comes and after it is gone.
 ///
+/// The more scans, the more voxels beside surfaces have a return or two and are passed. What moves
+/// is larger: a group of voxels that were passed, each among eight of them, or half of the voxels
+/// around where these are fewer. Groups of fewer than 100 voxels count only where hardly anything
+/// stands around them.
+///
 /// Give all scans to add_returns(), then all to add_rays(), both in their order, then decide().
 /// Memory: about 70 bytes a voxel with a return, 1 kB for each 64^3 voxels, and the rays of
-/// `seconds_together`. Same for any number of threads. Reading is
-/// thread safe.
+/// `seconds_together`. Same for any number of threads. Reading is thread safe.
 class MovedReturns {
  public:
   /// Throws Error(usage) naming the option that is out of range.
