@@ -20,43 +20,61 @@ struct Bender {
   const FloorMap& floor;
   std::vector<Eigen::Vector3d>& corners;
 
-  /// Adds the corners after `from` up to `to`; both lie on the bent ray.
+  /// Adds the corners after `from` up to `to`; both lie on the bent ray, `length` m apart in the
+  /// plane.
   void divide(const Eigen::Vector3d& start,
               const Eigen::Vector3d& end,
+              double length,
               const Eigen::Vector3d& from,
               const Eigen::Vector3d& to) {
     const Eigen::Vector3d middle = 0.5 * (start + end);
     const Eigen::Vector3d bent = above_floor(middle, floor);
     const bool straight = std::abs(bent.z() - 0.5 * (from.z() + to.z())) < tolerance;
-    if (straight || (end - start).head<2>().norm() < shortest) {
+    if (straight || length < shortest) {
       corners.push_back(to);
       return;
     }
-    divide(start, middle, from, bent);
-    divide(middle, end, bent, to);
+    divide(start, middle, 0.5 * length, from, bent);
+    divide(middle, end, 0.5 * length, bent, to);
   }
+};
+
+/// Distances in the plane along a ray, from one coordinate of places on it.
+class Along {
+ public:
+  Along(const Eigen::Vector2d& way, double length) {
+    axis_ = std::abs(way.x()) < std::abs(way.y()) ? 1 : 0;
+    per_step_ = length / way[axis_];
+  }
+  double between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+    return (to[axis_] - from[axis_]) * per_step_;
+  }
+
+ private:
+  Eigen::Index axis_ = 0;
+  double per_step_ = 0.0;
 };
 
 /// Leaves out corners that a straight piece passes within the tolerance: the longest piece from
 /// each corner that is kept.
-void straighten(std::vector<Eigen::Vector3d>& corners) {
+void straighten(const Along& along, std::vector<Eigen::Vector3d>& corners) {
   std::size_t kept = 0;  // corners[kept] is where the piece begins
   double steepest = std::numeric_limits<double>::infinity();
   double flattest = -steepest;  // slopes of all pieces that pass what lies between
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    const Eigen::Vector3d way = corners[i] - corners[kept];
-    const double length = way.head<2>().norm();
-    const double slope = way.z() / length;
+    const double rise = corners[i].z() - corners[kept].z();
+    const double per_metre = 1.0 / along.between(corners[kept], corners[i]);
+    const double slope = rise * per_metre;
     if (!(slope >= flattest && slope <= steepest)) {  // as is NaN, of a piece of no length
       corners[++kept] = corners[i - 1];
-      const Eigen::Vector3d next = corners[i] - corners[kept];
-      const double next_length = next.head<2>().norm();
-      flattest = (next.z() - tolerance) / next_length;
-      steepest = (next.z() + tolerance) / next_length;
+      const double next_rise = corners[i].z() - corners[kept].z();
+      const double per_next_metre = 1.0 / along.between(corners[kept], corners[i]);
+      flattest = (next_rise - tolerance) * per_next_metre;
+      steepest = (next_rise + tolerance) * per_next_metre;
       continue;
     }
-    flattest = std::max(flattest, (way.z() - tolerance) / length);
-    steepest = std::min(steepest, (way.z() + tolerance) / length);
+    flattest = std::max(flattest, (rise - tolerance) * per_metre);
+    steepest = std::min(steepest, (rise + tolerance) * per_metre);
   }
   corners[++kept] = corners.back();
   corners.resize(kept + 1);
@@ -74,17 +92,18 @@ void bend_ray(const Eigen::Vector3d& start,
     corners.push_back(above_floor(end, floor));
     return;
   }
-  const double length = (end - start).head<2>().norm();
+  const Eigen::Vector3d way = end - start;
+  const double length = way.head<2>().norm();
   const int pieces = std::max(1, static_cast<int>(std::ceil(length / longest)));
+  const double share = 1.0 / pieces;
   Bender bender{floor, corners};
   Eigen::Vector3d from = start;
   for (int i = 1; i <= pieces; ++i) {
-    const Eigen::Vector3d to =
-        i == pieces ? end : Eigen::Vector3d(start + (end - start) * i / pieces);
-    bender.divide(from, to, corners.back(), above_floor(to, floor));
+    const Eigen::Vector3d to = i == pieces ? end : Eigen::Vector3d(start + i * share * way);
+    bender.divide(from, to, share * length, corners.back(), above_floor(to, floor));
     from = to;
   }
-  if (corners.size() > 2) straighten(corners);
+  if (corners.size() > 2) straighten(Along(way.head<2>(), length), corners);
 }
 
 }  // namespace kissmap

@@ -156,7 +156,10 @@ void ScanCaster::cut_rays(const RayScan& scan, const Pass& pass, Part& part) {
   for (std::size_t i = part.begin; i < part.end; ++i) {
     if (fates_[i] != Fate::cast) continue;
     const IndexRay ray = index_ray(scan, i);
-    if (!may_touch(pass.box, tile_of(floor_of(ray.start)), tile_of(floor_of(ray.end)))) continue;
+    const Voxel first = floor_of(ray.start);
+    const Voxel last = floor_of(ray.end);
+    if (first == last && is_hit(scan, i)) continue;  // a hit does not carve the voxel it ends in
+    if (!may_touch(pass.box, tile_of(first), tile_of(last))) continue;
     const RayLine line =
         carved_line(ray.start, ray.end, protected_share(scan, i), geometry_.layers);
     if (!line.carves()) continue;
