@@ -116,17 +116,16 @@ VoxelExportSummary export_voxels(const Session& session_in_map,
     count_voxels(mapper.map(), summary);
     writer->add(mapper.map());
   };
-  const CastSummary parts =
-      cast_in_parts(session,
-                    {options.min_range,
-                     options.max_range,
-                     options.moved_log,
-                     options.max_memory,
-                     options.no_return_range > 0.0},
-                    {&mapper.map()},
-                    progress,
-                    cast,
-                    write);
+  const CastSummary parts = cast_in_parts(session,
+                                          {options.min_range,
+                                           options.max_range,
+                                           options.moved_log,
+                                           options.max_memory,
+                                           options.no_return_range > 0.0},
+                                          {&mapper.map()},
+                                          progress,
+                                          cast,
+                                          write);
   summary.peak_memory = parts.peak_memory;
   summary.no_returns = parts.no_returns;
   summary.offset = file.offset;
