@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <chrono>
 #include <cstdio>
 #include <optional>
 
@@ -15,6 +16,18 @@
 
 namespace kissmap {
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// ", 8.4 times real time"; empty where the log has no stamps.
+std::string real_time(double log_seconds, double seconds) {
+  if (!(log_seconds > 0.0)) return {};
+  return text(", %.1f times real time", log_seconds / seconds);
+}
 
 SessionManifest manifest_of(const RunCommand& command,
                             const Configuration& configuration,
@@ -50,11 +63,10 @@ void report(const RunCommand& command,
               mapped.local_maps,
               mapped.local_maps == 1 ? "" : "s");
   if (!closures.empty()) std::fputs(describe_loops(closures).c_str(), stdout);
-  std::printf("  time        %.1f s, %.1f scans/s", seconds, scans / seconds);
-  if (mapped.log_seconds > 0.0) {
-    std::printf(", %.1f times real time", mapped.log_seconds / seconds);
-  }
-  std::printf("\n");
+  std::printf("  time        %.1f s, %.1f scans/s%s\n",
+              seconds,
+              scans / seconds,
+              real_time(mapped.log_seconds, seconds).c_str());
   if (manifest.pack) std::printf("  pack        %s\n", describe(*manifest.pack).c_str());
   std::fputs(describe_refusals(mapped.counts).c_str(), stdout);
   std::printf("  look at     %s\n", (command.session / "map.png").c_str());
@@ -76,10 +88,11 @@ LoopCorrection close_loops(const std::vector<ScanPlace>& places,
   return correct_loops(places, evidence);
 }
 
-void write_session(const RunCommand& command,
-                   const Configuration& configuration,
-                   ScanLog& log,
-                   SessionWriter& session) {
+/// Returns how long the log took to record [s]; 0 without stamps.
+double write_session(const RunCommand& command,
+                     const Configuration& configuration,
+                     ScanLog& log,
+                     SessionWriter& session) {
   SessionManifest manifest = manifest_of(command, configuration, log.info());
   session.describe(manifest);
   std::optional<PackWriter> pack;
@@ -126,6 +139,7 @@ void write_session(const RunCommand& command,
            correction ? correction->closures : std::vector<Closure>{},
            seconds);
   }
+  return mapped.log_seconds;
 }
 
 void write_products(const RunCommand& command) try {
@@ -140,6 +154,7 @@ void write_products(const RunCommand& command) try {
 }  // namespace
 
 void run(const RunCommand& command) {
+  const auto begin = Clock::now();
   Configuration configuration = command.configuration.configuration();
   if (command.no_loop_closing) configuration.loop_closing.enabled = false;
   require_valid(command.selection);
@@ -150,14 +165,19 @@ void run(const RunCommand& command) {
     for (const std::string& note : log->info().notes) std::printf("note: %s\n", note.c_str());
   }
   SessionWriter session(command.session, command.overwrite);
+  double log_seconds = 0.0;
   try {
-    write_session(command, configuration, *log, session);
+    log_seconds = write_session(command, configuration, *log, session);
   } catch (const Error& error) {
     throw Error(error.fault(),
                 std::string(error.what()) + "\n  what was written so far is in " +
                     session.partial_path().string());
   }
-  if (!command.no_products) write_products(command);
+  if (command.no_products) return;
+  write_products(command);
+  if (command.quiet) return;
+  const double seconds = seconds_since(begin);
+  std::printf("  in all      %.1f s%s\n", seconds, real_time(log_seconds, seconds).c_str());
 }
 
 }  // namespace kissmap
