@@ -24,8 +24,8 @@ constexpr double damping = 1e-3;
 constexpr int min_pairs = 20;
 // What a registration is worth, see information_of().
 constexpr double independent_pairs = 100.0;
-constexpr double pair_sigma = 0.03;           // m
-constexpr double least_share_of_faces = 0.1;  // of the planes, that a direction needs
+constexpr double pair_sigma = 0.03;            // m
+constexpr double least_share_of_faces = 0.05;  // of the planes, that a direction needs
 
 /// A guess that is weighed beside the pairs.
 struct Prior {

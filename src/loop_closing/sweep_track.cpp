@@ -17,6 +17,8 @@ constexpr int registrations = 2;                   // the second with points des
 constexpr double least_pairs = 0.3;                // share of the samples
 constexpr GuessSigmas motion_sigmas{0.02, 0.012};  // of odometry from one middle to the next
 constexpr double most_sweeps_apart = 3.0;
+// Of a registration's information: scans placed on the same surfaces share their errors.
+constexpr double share_of_information = 0.3;
 
 Rigid3 part_of(double share, const Rigid3& motion) {
   return exp(share * log(motion));
@@ -102,7 +104,10 @@ void SweepTrack::finish() {
 void SweepTrack::link(std::size_t index) {
   const Sweep& sweep = sweeps_[index];
   if (!sweep.information || sweep.scan == anchor_scan_) return;
-  links_.push_back({anchor_scan_, sweep.scan, anchor_from_end(index), *sweep.information});
+  links_.push_back({anchor_scan_,
+                    sweep.scan,
+                    anchor_from_end(index),
+                    share_of_information * *sweep.information});
 }
 
 std::vector<SurfaceLink> SweepTrack::take_links() {

@@ -99,8 +99,9 @@ SurfelAlignment register_points(std::span<const Eigen::Vector3f> points_in_query
                                 const GuessSigmas& sigmas);
 
 /// What an alignment says as an edge of a graph: as if 100 of its pairs were independent and each
-/// known to 3 cm. Nothing about directions of translation that fewer than a tenth of the planes
-/// face: along a bare corridor these are voxels with an edge in them, whose normals are chance.
+/// known to 3 cm. Nothing about directions of translation that less than a twentieth of the
+/// planes face: along a bare corridor these are voxels with an edge in them, whose normals are
+/// chance.
 Eigen::Matrix<double, 6, 6> information_of(const SurfelAlignment& alignment);
 
 /// Szymkiewicz-Simpson coefficient: voxels of the reference that hold a surfel of both maps, over
