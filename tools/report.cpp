@@ -108,7 +108,8 @@ std::string describe_offset(const std::filesystem::path& offset_file) {
 std::string describe_no_returns(double range, std::uint64_t no_returns) {
   if (!(range > 0.0)) return {};
   if (no_returns == 0) {
-    return "  take care   the log tells of no ray without a return; --no-return-range did nothing\n";
+    return "  take care   the log tells of no ray without a return; --no-return-range did "
+           "nothing\n";
   }
   return text("  no return   %s rays, free up to %g m\n", with_commas(no_returns).c_str(), range);
 }

@@ -11,8 +11,9 @@ namespace {
 
 Rigid3 require_alignment(const PosePairs& pairs, MapAlignment alignment) {
   if (pairs.positions_only && alignment == MapAlignment::first) {
-    throw Error(Fault::input,
-                "only positions are known: the first pose cannot be aligned by; align by se3 or yaw");
+    throw Error(
+        Fault::input,
+        "only positions are known: the first pose cannot be aligned by; align by se3 or yaw");
   }
   if (const auto found = align(pairs.reference, pairs.estimate, alignment)) return *found;
   throw Error(Fault::input,

@@ -68,8 +68,8 @@ class BandMapper::Impl {
         swept_(band.resolution) {}
 
   void add(const PlacedScan& scan, const Rigid3& level_from_map, ThreadPool& pool) {
-    const ScanRays straight = occupancy::rays_of(
-        scan, level_from_map * scan.map_from_lidar, belief_.no_return_range);
+    const ScanRays straight =
+        occupancy::rays_of(scan, level_from_map * scan.map_from_lidar, belief_.no_return_range);
     const std::size_t rays = straight.starts.size();
     std::vector<ScanRays> parts((rays + rays_per_part - 1) / rays_per_part);
     pool.for_each_chunk(parts.size(), [&](std::size_t part) {
