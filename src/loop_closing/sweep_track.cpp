@@ -24,14 +24,19 @@ Rigid3 part_of(double share, const Rigid3& motion) {
   return exp(share * log(motion));
 }
 
-}  // namespace
+/// Moves points to another frame.
+void transform(const Rigid3& to_from_points, std::vector<Eigen::Vector3f>& points) {
+  const Eigen::Matrix3f rotation = to_from_points.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = to_from_points.translation.cast<float>();
+  for (Eigen::Vector3f& point : points) point = rotation * point + translation;
+}
 
 void transform(const Rigid3& to_from_surfels, SurfelCloud& surfels) {
-  const Eigen::Matrix3f rotation = to_from_surfels.rotation.toRotationMatrix().cast<float>();
-  const Eigen::Vector3f translation = to_from_surfels.translation.cast<float>();
-  for (Eigen::Vector3f& mean : surfels.means) mean = rotation * mean + translation;
-  for (Eigen::Vector3f& normal : surfels.normals) normal = rotation * normal;
+  transform(to_from_surfels, surfels.means);
+  transform({to_from_surfels.rotation, Eigen::Vector3d::Zero()}, surfels.normals);
 }
+
+}  // namespace
 
 SweepTrack::SweepTrack(double min_range, double max_range)
     : min_range_(min_range), max_range_(max_range) {
@@ -45,10 +50,7 @@ void SweepTrack::place(const Scan& scan, const MappedScan& mapped, double voxel_
     sweep.information.reset();
   }
   deskew(scan, sweep);
-  const Eigen::Matrix3f rotation =
-      sweep.anchor_from_middle.rotation.toRotationMatrix().cast<float>();
-  const Eigen::Vector3f translation = sweep.anchor_from_middle.translation.cast<float>();
-  for (Eigen::Vector3f& point : points_) point = rotation * point + translation;
+  transform(sweep.anchor_from_middle, points_);
   add(std::move(sweep));
 }
 
@@ -132,18 +134,15 @@ void SweepTrack::deskew(const Scan& scan, const Sweep& sweep) {
   }
 }
 
-bool SweepTrack::adjoin(const Sweep& before, const Sweep& after) const {
+bool SweepTrack::adjoin(const Sweep& before, const Sweep& after) {
   return after.end > before.end && after.end - before.end < most_sweeps_apart * after.seconds;
 }
 
 Rigid3 SweepTrack::start_from_end(const Sweep& sweep) const {
-  const Sweep* before = nullptr;
-  for (const Sweep& other : sweeps_) {
-    if (other.scan + 1 == sweep.scan) before = &other;
-  }
-  if (before == nullptr || !adjoin(*before, sweep)) return sweep.start_from_end;
-  return part_of(sweep.seconds / (sweep.end - before->end),
-                 before->anchor_from_middle.inverse() * sweep.anchor_from_middle);
+  if (sweeps_.empty() || !adjoin(sweeps_.back(), sweep)) return sweep.start_from_end;
+  const Sweep& before = sweeps_.back();
+  return part_of(sweep.seconds / (sweep.end - before.end),
+                 before.anchor_from_middle.inverse() * sweep.anchor_from_middle);
 }
 
 Rigid3 SweepTrack::anchor_from_end(std::size_t index) const {
@@ -154,8 +153,7 @@ Rigid3 SweepTrack::anchor_from_end(std::size_t index) const {
   const Sweep* after = index + 1 < sweeps_.size() && adjoin(sweep, sweeps_[index + 1])
                            ? &sweeps_[index + 1]
                            : &sweep;
-  if (before == after)
-    return sweep.anchor_from_middle * part_of(-0.5, sweep.start_from_end).inverse();
+  if (before == after) return sweep.anchor_from_middle * part_of(0.5, sweep.start_from_end);
   return sweep.anchor_from_middle *
          part_of(0.5 * sweep.seconds / (after->end - before->end),
                  before->anchor_from_middle.inverse() * after->anchor_from_middle);

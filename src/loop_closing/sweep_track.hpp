@@ -54,8 +54,9 @@ class SweepTrack {
   void link(std::size_t index);
   void deskew(const Scan& scan, const Sweep& sweep);  ///< to its middle, into points_
   bool register_sweep(const Scan& scan, double voxel_size, Sweep& sweep);
-  bool adjoin(const Sweep& before, const Sweep& after) const;
-  Rigid3 start_from_end(const Sweep& sweep) const;
+  /// Near enough in time to tell a motion by both.
+  static bool adjoin(const Sweep& before, const Sweep& after);
+  Rigid3 start_from_end(const Sweep& sweep) const;  ///< of one that comes after the last
   Rigid3 anchor_from_end(std::size_t index) const;
 
   double min_range_;
@@ -72,8 +73,5 @@ class SweepTrack {
   std::vector<Eigen::Vector3f> points_;
   std::vector<Eigen::Vector3f> samples_;
 };
-
-/// Moves surfels to another frame.
-void transform(const Rigid3& to_from_surfels, SurfelCloud& surfels);
 
 }  // namespace kissmap
