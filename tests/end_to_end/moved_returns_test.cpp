@@ -227,7 +227,7 @@ class MoverTrial {
   std::uint32_t casts_ = 0;
 };
 
-TEST(MovedReturnsOfALog, PeopleInAnOffice) {
+TEST(MovedReturnsOfALog, PeopleInAnOfficeByTruePoses) {
   simulator::Scenario scenario;
   scenario.world = "office";
   scenario.motion = "robot";
@@ -271,7 +271,7 @@ TEST(MovedReturnsOfALog, PeopleInAnOfficeByPosesOfSlam) {
   }
 }
 
-TEST(MovedReturnsOfALog, CarsAndPeopleInATown) {
+TEST(MovedReturnsOfALog, CarsAndPeopleInATownByTruePoses) {
   simulator::Scenario scenario;
   scenario.columns = 1024;
   scenario.movers = 20;
