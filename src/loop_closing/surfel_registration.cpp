@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -132,46 +133,113 @@ void refine(const SurfelCloud& samples,
   }
 }
 
+constexpr unsigned block_bits = 2;  // 4 voxels along an edge
+constexpr std::uint32_t in_block = (1U << block_bits) - 1;
+
+Voxel block_of(const Voxel& voxel) {
+  return {voxel.x >> block_bits, voxel.y >> block_bits, voxel.z >> block_bits};
+}
+
+std::uint64_t bit_of(const Voxel& voxel) {
+  const auto along = [](std::int32_t i) { return static_cast<std::uint32_t>(i) & in_block; };
+  return std::uint64_t{1} << (along(voxel.x) + 4 * along(voxel.y) + 16 * along(voxel.z));
+}
+
+/// Number of bits below that one.
+std::size_t rank(std::uint64_t bits, std::uint64_t bit) {
+  return static_cast<std::size_t>(std::popcount(bits & (bit - 1)));
+}
+
+/// Bits of one axis, 0..3, of the voxels before, at and after `center` that lie in a block.
+std::uint32_t bits_along(std::int32_t center, std::int32_t block) {
+  const std::int32_t before = center - 1 - (block << block_bits);  // -3..4
+  return (before >= 0 ? 7U << before : 7U >> -before) & 15U;
+}
+
+/// For each of 16 sets of bits 0..3: bit i moved to i * step.
+constexpr std::array<std::uint64_t, 16> spread(unsigned step) {
+  std::array<std::uint64_t, 16> sets{};
+  for (unsigned set = 0; set < sets.size(); ++set) {
+    for (unsigned i = 0; i < 4; ++i) sets[set] |= std::uint64_t{(set >> i) & 1U} << (i * step);
+  }
+  return sets;
+}
+
+/// Voxels of a block among the 27 around one, as bits.
+std::uint64_t bits_around(const Voxel& center, const Voxel& block) {
+  static constexpr auto rows = spread(4);
+  static constexpr auto layers = spread(16);
+  return bits_along(center.x, block.x) * rows[bits_along(center.y, block.y)] *
+         layers[bits_along(center.z, block.z)];
+}
+
 }  // namespace
 
 SurfelMap::SurfelMap(const SurfelCloud& surfels, double voxel_size)
     : voxel_size_(voxel_size), per_metre_(static_cast<float>(1.0 / voxel_size)) {
   bits_ = static_cast<unsigned>(std::bit_width(2 * surfels.size() + 2));
   table_.resize(std::size_t{1} << bits_);
-  const std::size_t mask = table_.size() - 1;
+  struct Kept {
+    std::size_t surfel;
+    std::size_t slot;
+    std::uint64_t bit;
+  };
+  std::vector<Kept> kept;
+  std::vector<std::size_t> slots;
   for (std::size_t i = 0; i < surfels.size(); ++i) {
-    const VoxelKey key = voxel_key(voxel_of(surfels.means[i], per_metre_));
-    std::size_t slot = voxel_hash(key, bits_);
-    while (table_[slot].key != no_voxel && table_[slot].key != key) slot = (slot + 1) & mask;
-    if (table_[slot].key == key) continue;
-    table_[slot] = {key, static_cast<std::int32_t>(surfels_.size())};
-    surfels_.means.push_back(surfels.means[i]);
-    surfels_.normals.push_back(surfels.normals[i]);
+    const Voxel voxel = voxel_of(surfels.means[i], per_metre_);
+    const VoxelKey key = voxel_key(block_of(voxel));
+    const std::size_t slot = slot_of(key);
+    Block& block = table_[slot];
+    if (block.key == no_voxel) {
+      block.key = key;
+      slots.push_back(slot);
+    }
+    const std::uint64_t bit = bit_of(voxel);
+    if ((block.voxels & bit) != 0) continue;
+    block.voxels |= bit;
+    kept.push_back({i, slot, bit});
+  }
+  std::uint32_t count = 0;
+  for (const std::size_t slot : slots) {
+    table_[slot].surfels = count;
+    count += static_cast<std::uint32_t>(std::popcount(table_[slot].voxels));
+  }
+  surfels_.means.resize(count);
+  surfels_.normals.resize(count);
+  for (const Kept& one : kept) {
+    const Block& block = table_[one.slot];
+    const std::size_t to = block.surfels + rank(block.voxels, one.bit);
+    surfels_.means[to] = surfels.means[one.surfel];
+    surfels_.normals[to] = surfels.normals[one.surfel];
   }
 }
 
-std::int32_t SurfelMap::find(VoxelKey key) const {
+std::size_t SurfelMap::slot_of(VoxelKey block) const {
   const std::size_t mask = table_.size() - 1;
-  for (std::size_t slot = voxel_hash(key, bits_);; slot = (slot + 1) & mask) {
-    if (table_[slot].key == key) return table_[slot].surfel;
-    if (table_[slot].key == no_voxel) return -1;
-  }
+  std::size_t slot = voxel_hash(block, bits_);
+  while (table_[slot].key != no_voxel && table_[slot].key != block) slot = (slot + 1) & mask;
+  return slot;
 }
 
 std::int32_t SurfelMap::nearest(const Eigen::Vector3f& point) const {
   const Voxel center = voxel_of(point, per_metre_);
+  const Voxel first = block_of({center.x - 1, center.y - 1, center.z - 1});
+  const Voxel last = block_of({center.x + 1, center.y + 1, center.z + 1});
   std::int32_t best = -1;
   float best_squared = std::numeric_limits<float>::infinity();
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
-        const std::int32_t found = find(voxel_key({center.x + x, center.y + y, center.z + z}));
-        if (found < 0) continue;
-        const float squared =
-            (surfels_.means[static_cast<std::size_t>(found)] - point).squaredNorm();
-        if (squared < best_squared) {
+  for (std::int32_t x = first.x; x <= last.x; ++x) {
+    for (std::int32_t y = first.y; y <= last.y; ++y) {
+      for (std::int32_t z = first.z; z <= last.z; ++z) {
+        const Block& block = table_[slot_of(voxel_key({x, y, z}))];
+        std::uint64_t around = block.voxels & bits_around(center, {x, y, z});
+        for (; around != 0; around &= around - 1) {
+          const std::uint64_t bit = around & (~around + 1);
+          const std::size_t at = block.surfels + rank(block.voxels, bit);
+          const float squared = (surfels_.means[at] - point).squaredNorm();
+          if (squared >= best_squared) continue;
           best_squared = squared;
-          best = found;
+          best = static_cast<std::int32_t>(at);
         }
       }
     }
@@ -180,7 +248,8 @@ std::int32_t SurfelMap::nearest(const Eigen::Vector3f& point) const {
 }
 
 bool SurfelMap::occupied(const Eigen::Vector3f& point) const {
-  return find(voxel_key(voxel_of(point, per_metre_))) >= 0;
+  const Voxel voxel = voxel_of(point, per_metre_);
+  return (table_[slot_of(voxel_key(block_of(voxel)))].voxels & bit_of(voxel)) != 0;
 }
 
 SurfelReference::SurfelReference(const SurfelCloud& surfels, double voxel_size)

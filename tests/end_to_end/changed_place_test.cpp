@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "end_to_end/loop_tour.hpp"
+#include "end_to_end/loop_expectations.hpp"
 #include "simulator/scenario.hpp"
 #include "simulator/tours.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "end_to_end/loop_tour.hpp"
+#include "end_to_end/loop_expectations.hpp"
 #include "kissmap/loop_closing/loop_editor.hpp"
 #include "simulator/scenario.hpp"
 

@@ -44,6 +44,62 @@ SurfelCloud corridor(bool ends) {
   return surfels;
 }
 
+TEST(SurfelMap, FindsTheNearestOfTheVoxelsAroundAsAnExhaustiveSearchDoes) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> coordinate(-3.0F, 3.0F);
+  const auto any_point = [&] {
+    return Eigen::Vector3f(coordinate(random), coordinate(random), coordinate(random));
+  };
+  SurfelCloud surfels;
+  for (int i = 0; i < 1500; ++i) {
+    surfels.means.push_back(any_point());
+    surfels.normals.push_back(any_point().normalized());
+  }
+  const SurfelMap map(surfels, voxel);
+  const auto per_metre = static_cast<float>(1.0 / voxel);
+  std::vector<std::size_t> kept;  // the first of each voxel
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const Voxel own = voxel_of(surfels.means[i], per_metre);
+    if (std::ranges::none_of(kept, [&](std::size_t other) {
+          return voxel_of(surfels.means[other], per_metre) == own;
+        })) {
+      kept.push_back(i);
+    }
+  }
+  EXPECT_EQ(map.surfels().size(), kept.size());
+  int without = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3f point = 1.2F * any_point();
+    const Voxel center = voxel_of(point, per_metre);
+    std::optional<std::size_t> best;
+    bool occupied = false;
+    for (const std::size_t other : kept) {
+      const Voxel at = voxel_of(surfels.means[other], per_metre);
+      if (at == center) occupied = true;
+      if (std::abs(at.x - center.x) > 1 || std::abs(at.y - center.y) > 1 ||
+          std::abs(at.z - center.z) > 1) {
+        continue;
+      }
+      if (!best || (surfels.means[other] - point).squaredNorm() <
+                       (surfels.means[*best] - point).squaredNorm()) {
+        best = other;
+      }
+    }
+    EXPECT_EQ(map.occupied(point), occupied);
+    const std::int32_t found = map.nearest(point);
+    ASSERT_EQ(found >= 0, best.has_value());
+    if (!best) {
+      ++without;
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(found);
+    EXPECT_EQ(map.surfels().means[at], surfels.means[*best]);
+    EXPECT_EQ(map.surfels().normals[at], surfels.normals[*best]);
+  }
+  EXPECT_GT(without, 50);
+  EXPECT_LT(without, 1000);
+}
+
 TEST(RegisterPoints, FindsAnyMotionInARoom) {
   std::mt19937 random(1);
   const std::vector<Eigen::Vector3f> room = room_cloud(random, 6000);

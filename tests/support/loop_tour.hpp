@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <cstdlib>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,12 +15,6 @@
 #include "support/trajectory_error.hpp"
 
 namespace kissmap {
-
-/// Number of seeds to test: 1, or KISSMAP_SEEDS.
-inline std::uint64_t seeds() {
-  const char* text = std::getenv("KISSMAP_SEEDS");
-  return text == nullptr ? 1 : std::strtoull(text, nullptr, 10);
-}
 
 /// A tour mapped scan by scan with loops closed, and the truth beside it.
 class LoopTour {
@@ -99,6 +93,27 @@ class LoopTour {
     return ids;
   }
 
+  /// Of those revisits.
+  std::size_t found(const std::vector<std::uint32_t>& revisits) const {
+    const std::vector<Closure> closures = accepted();
+    return static_cast<std::size_t>(std::ranges::count_if(revisits, [&](std::uint32_t id) {
+      return std::ranges::find(closures, id, &Closure::query_id) != closures.end();
+    }));
+  }
+
+  /// What a closure is off by where the two local maps meet [m]: keyposes are off by what each
+  /// local map is bent.
+  double off_by(const Closure& closure) const {
+    const Rigid3 truth = true_reference_from_query(closure.reference_id, closure.query_id);
+    const Eigen::Vector3d& center = closure.center_in_query;
+    return (truth * center - closure.reference_from_query * center).norm();
+  }
+  /// The same [rad].
+  double turned_by(const Closure& closure) const {
+    const Rigid3 truth = true_reference_from_query(closure.reference_id, closure.query_id);
+    return (truth.inverse() * closure.reference_from_query).angle();
+  }
+
   std::vector<Closure> accepted() const {
     std::vector<Closure> closures;
     std::ranges::copy_if(
@@ -134,37 +149,5 @@ class LoopTour {
   LoopEvidence evidence_;
   LoopCorrection correction_;
 };
-
-/// Every accepted closure is where the truth puts it, measured where the two local maps meet;
-/// keyposes are off by what each local map is bent.
-inline void expect_true_closures(const LoopTour& tour, double metres) {
-  for (const Closure& closure : tour.accepted()) {
-    const Rigid3 truth = tour.true_reference_from_query(closure.reference_id, closure.query_id);
-    const Eigen::Vector3d center = closure.center_in_query;
-    EXPECT_LT((truth * center - closure.reference_from_query * center).norm(), metres)
-        << closure.query_id << " to " << closure.reference_id;
-    EXPECT_LT((truth.inverse() * closure.reference_from_query).angle(), 0.1)
-        << closure.query_id << " to " << closure.reference_id;
-  }
-}
-
-/// No pair of local maps is closed twice.
-inline void expect_each_pair_once(const LoopTour& tour) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  for (const Closure& closure : tour.accepted()) {
-    pairs.emplace_back(closure.query_id, closure.reference_id);
-  }
-  std::ranges::sort(pairs);
-  EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
-}
-
-/// At least nine of ten revisits are found.
-inline void expect_most_found(const LoopTour& tour, const std::vector<std::uint32_t>& revisits) {
-  const std::vector<Closure> accepted = tour.accepted();
-  const auto missed = std::ranges::count_if(revisits, [&accepted](std::uint32_t id) {
-    return std::ranges::find(accepted, id, &Closure::query_id) == accepted.end();
-  });
-  EXPECT_LE(10 * missed, static_cast<std::ptrdiff_t>(revisits.size()));
-}
 
 }  // namespace kissmap
