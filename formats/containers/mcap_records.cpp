@@ -59,10 +59,8 @@ ChunkHead read_chunk_head(const ContainerFile& file,
   return head;
 }
 
-void require_checksum(std::uint32_t checksum, Bytes records) {
-  if (checksum != 0 && libdeflate_crc32(0, records.data(), records.size()) != checksum) {
-    throw Refusal(refusal_reason::broken_content, "its check sum fails");
-  }
+bool keeps(std::uint32_t checksum, Bytes records) {
+  return checksum == 0 || libdeflate_crc32(0, records.data(), records.size()) == checksum;
 }
 
 }  // namespace
@@ -157,7 +155,10 @@ void load_chunk(const ContainerFile& file,
     throw Refusal(refusal_reason::wrong_size,
                   std::to_string(out.size()) + " bytes instead of " + std::to_string(head.size));
   }
-  require_checksum(head.checksum, out);
+  if (!keeps(head.checksum, out)) {
+    out.clear();  // which of the messages is damaged is not known
+    throw Refusal(refusal_reason::broken_content, "its check sum fails");
+  }
 }
 
 }  // namespace kissmap::mcap

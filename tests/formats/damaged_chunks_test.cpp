@@ -79,13 +79,12 @@ TEST(DamagedChunks, OfMcapGiveNothingOfTheChunkBefore) {
 }
 
 // The frame of the second message.
-TEST(DamagedChunks, OfMcapWithAWrongCheckSumAreTold) {
+TEST(DamagedChunks, OfMcapWithAWrongCheckSumAreLeftOutAndTold) {
   const TempDir dir;
   const fs::path file = dir.path() / "log.mcap";
   write_mcap(file, recorded(), {"", true});
   damage_second(file, "lidar", "radar");
-  const Found found = read(file);
-  EXPECT_THAT(found.refusals, ElementsAre(HasSubstr("its check sum fails")));
+  expect_first_and_last(file, "its check sum fails");
 }
 
 }  // namespace
