@@ -34,7 +34,7 @@ Error too_large(const Eigen::AlignedBox2d& area,
   char text[300];
   std::snprintf(text,
                 sizeof(text),
-                "a map of %.0f x %.0f m in cells of %g m takes %.1f GB, and --max-memory is %.1f; "
+                "a map of %.0f x %.0f m in cells of %g m takes %.3g GB, and --max-memory is %.3g; "
                 "take a coarser --resolution, a %s--crop, or more memory",
                 area.sizes().x(),
                 area.sizes().y(),
