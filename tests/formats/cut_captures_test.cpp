@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Captures and streams of packets cut at every hundredth of their length: the sweeps of exactly the
-// packets that lie before the cut, the last sweep as far as it was begun.
+// Captures cut at every hundredth of their length: the sweeps of exactly the packets that lie before
+// the cut, the last sweep as far as it was begun.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <functional>
 #include <memory>
-#include <span>
 
 #include "formats/capture_bytes.hpp"
+#include "formats/sensor_recording.hpp"
 #include "formats/sensors/ouster_decoder.hpp"
 #include "formats/sensors/velodyne_decoder.hpp"
 #include "formats/support.hpp"
@@ -21,7 +20,6 @@ namespace kissmap {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Bytes;
 using test::bytes_of;
 using test::read_all;
 using test::scan_of;
@@ -91,9 +89,7 @@ std::vector<Scan> sweeps_before(const std::vector<Packet>& packets,
     if (packet.end <= cut) decoder->add(bytes_of(packet.payload), packet.ns);
   }
   decoder->finish();
-  std::vector<Scan> sweeps;
-  while (auto scan = decoder->take()) sweeps.push_back(std::move(*scan));
-  return sweeps;
+  return test::take_all(*decoder);
 }
 
 void expect_same(const Scan& scan, const Scan& expected) {
@@ -137,14 +133,8 @@ void expect_sweeps_before_cuts(const TempDir& dir,
   }
 }
 
-class CutCaptures : public testing::Test {
+class CutCaptures : public test::PacketRecordings {
  protected:
-  void SetUp() override {
-    const char* data = std::getenv("KISSMAP_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "needs the recordings";
-    packets_ = fs::path(data) / "packets";
-  }
-  fs::path packets_;
   TempDir dir_;
 };
 
@@ -194,52 +184,6 @@ TEST_F(CutCaptures, OfOusterGiveWhatCameBefore) {
   expect_sweeps_before_cuts(dir_, "cut.pcap", content, frames_of(content), [&] {
     return make_ouster_decoder(read_ouster_metadata(metadata, json));
   });
-}
-
-/// A packet of NCLT's stream: 12 hits on a circle of 10 m, 2 degrees further each packet.
-std::string hits_packet(int number) {
-  Bytes bytes;
-  for (int i = 0; i < 4; ++i) bytes.add<std::uint16_t>(44444);
-  bytes.add<std::uint32_t>(12);
-  bytes.add<std::uint64_t>(1'357'847'239'000'000ULL + static_cast<std::uint64_t>(number) * 555);
-  bytes.add<std::uint32_t>(0);
-  for (int i = 0; i < 12; ++i) {
-    const double angle = (number * 2.0 + i * 2.0 / 12) * M_PI / 180.0;
-    for (const double metres : {10 * std::cos(angle), 10 * std::sin(angle), 1.0}) {
-      bytes.add<std::uint16_t>(static_cast<std::uint16_t>(std::lround((metres + 100.0) / 0.005)));
-    }
-    bytes.add<std::uint8_t>(static_cast<std::uint8_t>(number % 200)).add<std::uint8_t>(0);
-  }
-  return bytes.text();
-}
-
-TEST(CutHits, GiveEveryPacketBefore) {
-  constexpr std::size_t packet_bytes = 24 + 12 * 8;
-  const TempDir dir;
-  std::string content;
-  for (int i = 0; i < 450; ++i) content += hits_packet(i);
-  const auto whole = read_all(*open_log(dir.write("whole/velodyne_hits.bin", content)));
-  ASSERT_EQ(whole.size(), 3U);  // of 180 packets a turn
-  for (std::size_t percent = 1; percent < 100; ++percent) {
-    const std::size_t size = content.size() * percent / 100;
-    auto entries = read_all(*open_log(dir.write("cut/velodyne_hits.bin", content.substr(0, size))));
-    if (size % packet_bytes != 0) {
-      EXPECT_THAT(test::refusal_of(entries.back()).detail,
-                  HasSubstr(std::to_string(size % packet_bytes) + " bytes"));
-      entries.pop_back();
-    }
-    std::size_t points = 0;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const Scan& scan = scan_of(entries[i]);
-      const Scan& expected = scan_of(whole.at(i));
-      EXPECT_EQ(scan.stamp_ns, expected.stamp_ns);
-      ASSERT_LE(scan.points.size(), expected.points.size());
-      EXPECT_TRUE(
-          std::ranges::equal(scan.points, std::span(expected.points).first(scan.points.size())));
-      points += scan.points.size();
-    }
-    EXPECT_EQ(points, size / packet_bytes * 12) << percent;
-  }
 }
 
 }  // namespace

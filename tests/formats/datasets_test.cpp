@@ -3,31 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "formats/support.hpp"
+#include "formats/dataset_scans.hpp"
 
 namespace kissmap {
 namespace {
 
 using test::Bytes;
+using test::entries_of;
 using test::error_of;
+using test::only_scan;
 using test::read_all;
 using test::scan_of;
 using test::TempDir;
 using testing::HasSubstr;
-
-std::vector<LogEntry> entries_of(const std::filesystem::path& path, const std::string& format) {
-  const auto log = open_log(path);
-  EXPECT_EQ(log->info().format, format);
-  return read_all(*log);
-}
-
-Scan only_scan(const std::filesystem::path& path, const std::string& format) {
-  const auto entries = entries_of(path, format);
-  if (entries.size() != 1) throw std::runtime_error(std::to_string(entries.size()) + " scans");
-  return scan_of(entries[0]);
-}
 
 // 64 x 1024 rows, the point of index i at (1 + ring, 2 + column, 3).
 std::string mulran_scan(std::size_t points) {
@@ -137,31 +125,6 @@ TEST(HeliprFolder, OfSeveralSensorsAsksForOne) {
   dir.write("LiDAR/Aeva/1691936557946849179.bin", "");
   EXPECT_THAT(error_of(Fault::input, [&] { open_log(dir.path()); }),
               testing::AllOf(HasSubstr("several sensors"), HasSubstr("LiDAR/Avia")));
-}
-
-TEST(Nclt, CoordinatesAreUnsignedAndTurned) {
-  const TempDir dir;
-  Bytes bytes;
-  for (const std::uint16_t raw : std::vector<std::uint16_t>{0, 20000, 32768, 65535}) {
-    bytes.add<std::uint16_t>(raw).add<std::uint16_t>(20200).add<std::uint16_t>(20400);
-    bytes.add<std::uint8_t>(9).add<std::uint8_t>(31);
-  }
-  dir.write("velodyne_sync/1357847239000000.bin", bytes.text());
-  for (const auto& path : {dir.path(), dir.path() / "velodyne_sync"}) {
-    const Scan scan = only_scan(path, "nclt");
-    EXPECT_EQ(scan.stamp_ns, 1357847239000000000);
-    EXPECT_EQ(scan.compensation, Compensation::yes);
-    ASSERT_EQ(scan.points.size(), 4U);
-    EXPECT_NEAR(scan.points[0].x(), -100.0F, 1e-4F);
-    EXPECT_NEAR(scan.points[1].x(), 0.0F, 1e-4F);
-    EXPECT_NEAR(scan.points[2].x(), 63.84F, 1e-4F);
-    EXPECT_NEAR(scan.points[3].x(), 227.675F, 1e-4F);
-    EXPECT_NEAR(scan.points[3].y(), -1.0F, 1e-4F);
-    EXPECT_NEAR(scan.points[3].z(), -2.0F, 1e-4F);
-    EXPECT_EQ(scan.intensities[0], 9.0F);
-  }
-  dir.write("velodyne_sync/1357847239000000.bin", bytes.text() + "x");
-  EXPECT_EQ(test::refusal_of(entries_of(dir.path(), "nclt")[0]).reason, "wrong file size");
 }
 
 std::string pcd(std::size_t points) {
@@ -307,55 +270,6 @@ TEST(NuScenes, AsksWhichSceneAndNamesBrokenTables) {
   EXPECT_THAT(error_of(Fault::input, [&] { open_log(dir.path()); }), HasSubstr("v1.0-mini"));
   dir.write("v1.0-mini/scene.json", "[{\"name\": ");
   EXPECT_THAT(error_of(Fault::input, [&] { open_log(dir.path()); }), HasSubstr("scene.json"));
-}
-
-// Packets of 12 directions clockwise, 2 degrees each, on a circle of 10 m.
-std::string hits_packet(int number) {
-  Bytes bytes;
-  for (int i = 0; i < 4; ++i) bytes.add<std::uint16_t>(44444);
-  bytes.add<std::uint32_t>(12);
-  bytes.add<std::uint64_t>(1'357'847'239'000'000ULL + static_cast<std::uint64_t>(number) * 555);
-  bytes.add<std::uint32_t>(0);
-  for (int i = 0; i < 12; ++i) {
-    const double angle = (number * 2.0 + i * 2.0 / 12) * M_PI / 180.0;
-    const auto raw = [](double metres) {
-      return static_cast<std::uint16_t>((metres + 100.0) / 0.005);
-    };
-    // With z down, clockwise from above is from x to y.
-    bytes.add<std::uint16_t>(raw(10 * std::cos(angle)))
-        .add<std::uint16_t>(raw(10 * std::sin(angle)));
-    bytes.add<std::uint16_t>(raw(1.0)).add<std::uint8_t>(50).add<std::uint8_t>(0);
-  }
-  return bytes.text();
-}
-
-TEST(Nclt, HitsAreCutIntoTurns) {
-  const TempDir dir;
-  std::string stream;
-  for (int i = 0; i < 450; ++i) stream += hits_packet(i);
-  const auto entries = entries_of(dir.write("velodyne_hits.bin", stream), "nclt-hits");
-  ASSERT_GE(entries.size(), 2U);
-  std::size_t points = 0;
-  for (const LogEntry& entry : entries) points += scan_of(entry).points.size();
-  EXPECT_EQ(points, 450U * 12);
-  const Scan& first = scan_of(entries[0]);
-  EXPECT_NEAR(static_cast<double>(first.points.size()), 180 * 12, 24);
-  EXPECT_EQ(first.stamp_ns, 1357847239000000000);
-  EXPECT_NEAR(first.points[0].x(), 10.0F, 0.01F);
-  EXPECT_NEAR(first.points[0].z(), -1.0F, 0.01F);
-  EXPECT_NEAR(first.time_offsets[12], 555e-6, 1e-9);
-}
-
-TEST(Nclt, HitsGoOnBehindDamage) {
-  const TempDir dir;
-  std::string stream;
-  for (int i = 0; i < 400; ++i) stream += hits_packet(i) + (i == 100 ? "damaged" : "");
-  const auto entries =
-      entries_of(dir.write("velodyne_hits.bin", stream.substr(0, stream.size() - 5)), "nclt-hits");
-  std::size_t points = 0;
-  for (std::size_t i = 0; i + 1 < entries.size(); ++i) points += scan_of(entries[i]).points.size();
-  EXPECT_EQ(points, 399U * 12);
-  EXPECT_THAT(test::refusal_of(entries.back()).detail, HasSubstr("122 bytes"));
 }
 
 }  // namespace
