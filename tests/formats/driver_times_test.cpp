@@ -18,10 +18,12 @@ using testing::Pointwise;
 
 constexpr std::int64_t stamp_ns = 1'700'000'000'250'000'000;
 
-/// Five points (k + 1, 2, 3) at times of a driver's own kind.
+/// Five points (k + 1, 2, 3) at times, since `since`, of a driver's own kind.
+template <class T>
 CloudOfBytes cloud_of_driver(const std::vector<test::FieldOfCloud>& after_xyz,
                              std::uint32_t point_step,
-                             const std::vector<std::string>& times) {
+                             const std::vector<T>& times,
+                             T since = 0) {
   CloudOfBytes cloud;
   cloud.nanoseconds = 250'000'000;
   cloud.fields = {{"x", 0}, {"y", 4}, {"z", 8}};
@@ -33,7 +35,7 @@ CloudOfBytes cloud_of_driver(const std::vector<test::FieldOfCloud>& after_xyz,
     std::string point =
         little<float>(static_cast<float>(k + 1)) + little<float>(2) + little<float>(3);
     point.resize(point_step, '\x77');
-    cloud.data += point.replace(after_xyz.back().offset, times[k].size(), times[k]);
+    cloud.data += point.replace(after_xyz.back().offset, sizeof(T), little<T>(since + times[k]));
   }
   return cloud;
 }
@@ -54,65 +56,57 @@ void expect_times(const CloudOfBytes& cloud,
 
 // The stamp is that of the last packet. 22 bytes a point, the time where no float would be aligned.
 TEST(DriverTimes, OfVelodyneAreNegativeSeconds) {
-  std::vector<std::string> times;
-  for (const float s : {-0.1F, -0.075F, -0.05F, -0.025F, 0.0F}) times.push_back(little<float>(s));
+  const std::vector<float> times = {-0.1F, -0.075F, -0.05F, -0.025F, 0.0F};
   expect_times(cloud_of_driver({{"intensity", 12}, {"ring", 16, 4}, {"time", 18, 7}}, 22, times),
-               {-0.1F, -0.075F, -0.05F, -0.025F, 0.0F},
+               times,
                StampInstant::sweep_end,
                1e-8F);
 }
 
 TEST(DriverTimes, OfOusterAreNanosecondsSinceTheStamp) {
-  std::vector<std::string> times;
-  for (const std::uint32_t ns : {0U, 25'000'000U, 50'000'000U, 75'000'000U, 99'900'000U})
-    times.push_back(little<std::uint32_t>(ns));
-  expect_times(cloud_of_driver({{"intensity", 16}, {"t", 20, 6}}, 48, times),
+  const std::vector<std::uint32_t> ns = {0, 25'000'000, 50'000'000, 75'000'000, 99'900'000};
+  expect_times(cloud_of_driver({{"intensity", 16}, {"t", 20, 6}}, 48, ns),
                {0.0F, 0.025F, 0.05F, 0.075F, 0.0999F},
                StampInstant::sweep_start,
                1e-8F);
 }
 
 // A double tells seconds since 1970 to 0.24 us.
+CloudOfBytes cloud_of_seconds_since_1970(const std::vector<double>& seconds) {
+  return cloud_of_driver(
+      {{"intensity", 12}, {"ring", 16, 4}, {"timestamp", 18, 8}}, 26, seconds, 1'700'000'000.0);
+}
+
 TEST(DriverTimes, OfHesaiAreSecondsSince1970WhereNoDoubleWouldBeAligned) {
-  std::vector<std::string> times;
-  for (const double s : {0.25, 0.275, 0.3, 0.325, 0.35})
-    times.push_back(little<double>(1'700'000'000.0 + s));
-  expect_times(
-      cloud_of_driver({{"intensity", 12}, {"ring", 16, 4}, {"timestamp", 18, 8}}, 26, times),
-      {0.0F, 0.025F, 0.05F, 0.075F, 0.1F},
-      StampInstant::sweep_start,
-      3e-7F);
+  expect_times(cloud_of_seconds_since_1970({0.25, 0.275, 0.3, 0.325, 0.35}),
+               {0.0F, 0.025F, 0.05F, 0.075F, 0.1F},
+               StampInstant::sweep_start,
+               3e-7F);
 }
 
 // RoboSense may stamp a cloud by its last point.
 TEST(DriverTimes, OfRobosenseMayEndAtTheStamp) {
-  std::vector<std::string> times;
-  for (const double s : {0.15, 0.175, 0.2, 0.225, 0.25})
-    times.push_back(little<double>(1'700'000'000.0 + s));
-  expect_times(
-      cloud_of_driver({{"intensity", 12}, {"ring", 16, 4}, {"timestamp", 18, 8}}, 26, times),
-      {-0.1F, -0.075F, -0.05F, -0.025F, 0.0F},
-      StampInstant::sweep_end,
-      3e-7F);
+  expect_times(cloud_of_seconds_since_1970({0.15, 0.175, 0.2, 0.225, 0.25}),
+               {-0.1F, -0.075F, -0.05F, -0.025F, 0.0F},
+               StampInstant::sweep_end,
+               3e-7F);
 }
 
 // Nanoseconds since 1970 in a double, which holds every 256th of them; so are these.
 TEST(DriverTimes, OfLivoxAreNanosecondsSince1970InADouble) {
-  std::vector<std::string> times;
-  for (const double ns : {0.0, 25'600'000.0, 51'200'000.0, 76'800'000.0, 102'400'000.0})
-    times.push_back(little<double>(1'700'000'000'000'000'000.0 + 249'999'872.0 + ns));
-  expect_times(
-      cloud_of_driver({{"intensity", 12}, {"line", 17, 2}, {"timestamp", 18, 8}}, 26, times),
-      {-128e-9F, 0.025599872F, 0.051199872F, 0.076799872F, 0.102399872F},
-      StampInstant::sweep_start,
-      1e-8F);
+  const std::vector<double> ns = {0.0, 25'600'000.0, 51'200'000.0, 76'800'000.0, 102'400'000.0};
+  expect_times(cloud_of_driver({{"intensity", 12}, {"line", 17, 2}, {"timestamp", 18, 8}},
+                               26,
+                               ns,
+                               1'700'000'000'249'999'872.0),
+               {-128e-9F, 0.025599872F, 0.051199872F, 0.076799872F, 0.102399872F},
+               StampInstant::sweep_start,
+               1e-8F);
 }
 
 TEST(DriverTimes, OfAevaAreSignedNanoseconds) {
-  std::vector<std::string> times;
-  for (const std::int32_t ns : {-50'000'000, -25'000'000, 0, 25'000'000, 50'000'000})
-    times.push_back(little<std::int32_t>(ns));
-  expect_times(cloud_of_driver({{"reflectivity", 12}, {"time_offset_ns", 20, 5}}, 25, times),
+  const std::vector<std::int32_t> ns = {-50'000'000, -25'000'000, 0, 25'000'000, 50'000'000};
+  expect_times(cloud_of_driver({{"reflectivity", 12}, {"time_offset_ns", 20, 5}}, 25, ns),
                {-0.05F, -0.025F, 0.0F, 0.025F, 0.05F},
                StampInstant::sweep_middle,
                1e-8F);

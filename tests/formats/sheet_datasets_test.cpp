@@ -9,69 +9,49 @@
 namespace kissmap {
 namespace {
 
-using test::expect_log;
-using test::Generated;
-using test::Resolution;
+struct DataSet {
+  const char* generator;
+  const char* format;
+  std::size_t logs;
+  test::Resolution resolution = {};
+};
 
-/// Logs of a format, which have to be as many as `count`.
-void expect_logs(const Generated& written,
-                 const std::string& format,
-                 std::size_t count,
-                 const Resolution& resolution = {}) {
+class SheetDataSet : public testing::TestWithParam<DataSet> {};
+
+TEST_P(SheetDataSet, IsReadAsItWasWritten) {
+  const auto& [generator, format, logs, resolution] = GetParam();
+  const test::Generated written(generator);
   std::size_t found = 0;
   for (const auto& log : written.logs()) {
     if (log.format != format) continue;
-    expect_log(log, resolution);
+    test::expect_log(log, resolution);
     ++found;
   }
-  EXPECT_EQ(found, count);
+  EXPECT_EQ(found, logs);
 }
 
-TEST(SheetDataSet, KittiOdometryIsRaised) {
-  expect_logs(Generated("write_kitti.py"), "kitti", 1, {.point = 1e-5});
-}
-
-TEST(SheetDataSet, KittiRawTurnsFromTheRear) {
-  // Its stamps are text with nine decimals; azimuths are calculated in float32.
-  expect_logs(Generated("write_kitti.py"), "kitti-raw", 1, {.time = 1e-7});
-}
-
-TEST(SheetDataSet, Mulran) {
-  expect_logs(Generated("write_mulran.py"), "mulran", 1);
-}
-
-TEST(SheetDataSet, HeliprOfFourSensors) {
-  expect_logs(Generated("write_helipr.py"), "helipr", 4);
-}
-
-TEST(SheetDataSet, Apollo) {
-  expect_logs(Generated("write_pcd_sets.py"), "apollo", 1);
-}
-
-TEST(SheetDataSet, NewerCollege) {
-  expect_logs(Generated("write_pcd_sets.py"), "newer-college", 1);
-}
-
-TEST(SheetDataSet, NcltSynchronised) {
-  expect_logs(Generated("write_nclt.py"), "nclt", 1, {.point = 3e-5});
-}
-
-TEST(SheetDataSet, NcltHits) {
-  expect_logs(Generated("write_nclt.py"), "nclt-hits", 1, {.point = 3e-5});
-}
-
-TEST(SheetDataSet, BoreasWithBothSensors) {
-  expect_logs(Generated("write_boreas.py"), "boreas", 2);
-}
-
-TEST(SheetDataSet, NuscenesSceneByScene) {
-  expect_logs(Generated("write_nuscenes.py"), "nuscenes", 2);
-}
-
-TEST(SheetDataSet, ParisLuco) {
-  // Times are doubles of 1.5e9 s, which are 2.4e-7 s apart.
-  expect_logs(Generated("write_paris_luco.py"), "paris-luco", 1, {.time = 4e-7});
-}
+INSTANTIATE_TEST_SUITE_P(
+    Public,
+    SheetDataSet,
+    testing::Values(
+        DataSet{"write_kitti.py", "kitti", 1, {.point = 1e-5}},  // raised
+        // Stamps are text with nine decimals; azimuths, from the rear, are calculated in float32.
+        DataSet{"write_kitti.py", "kitti-raw", 1, {.time = 1e-7}},
+        DataSet{"write_mulran.py", "mulran", 1},
+        DataSet{"write_helipr.py", "helipr", 4},  // one of each sensor
+        DataSet{"write_pcd_sets.py", "apollo", 1},
+        DataSet{"write_pcd_sets.py", "newer-college", 1},
+        DataSet{"write_nclt.py", "nclt", 1, {.point = 3e-5}},
+        DataSet{"write_nclt.py", "nclt-hits", 1, {.point = 3e-5}},
+        DataSet{"write_boreas.py", "boreas", 2},      // one of each sensor
+        DataSet{"write_nuscenes.py", "nuscenes", 2},  // one of each scene
+        // Times are doubles of 1.5e9 s, which are 2.4e-7 s apart.
+        DataSet{"write_paris_luco.py", "paris-luco", 1, {.time = 4e-7}}),
+    [](const auto& set) {
+      std::string name = set.param.format;
+      std::erase(name, '-');
+      return name;
+    });
 
 }  // namespace
 }  // namespace kissmap
