@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Captures cut at every hundredth of their length: the sweeps of exactly the packets that lie before
-// the cut, the last sweep as far as it was begun.
+// Captures cut at every hundredth of their length: the sweeps of exactly the packets that lie
+// before the cut, the last sweep as far as it was begun.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
