@@ -85,6 +85,7 @@ class MovedReturns::Impl {
   static constexpr double most_wanted =
       8.0;  // voxels passed around one in a group, or half of them
   static constexpr std::size_t large_group = 100;
+  static constexpr double edge_passages_per_hit = 0.3;
   static constexpr double most_standing = 0.15;  // of the voxels around a group that is alone
 
   void cast_batch(ThreadPool& pool) {
@@ -160,6 +161,16 @@ class MovedReturns::Impl {
     if (group.size() < large_group && !alone) return;
     for (const Voxel& voxel : group) sightings_.at(voxel)->moved = true;
     moved_voxels_ += group.size();
+    for (const Voxel& voxel : group) take_edge(voxel);
+  }
+
+  /// Beside what moved, a voxel's own passages tell: those around it are of what passed there.
+  void take_edge(const Voxel& moved) {
+    for_each_around(moved, [this](const Voxel& voxel, const Sighting& near) {
+      if (near.moved || near.passages <= edge_passages_per_hit * near.hits) return;
+      sightings_.at(voxel)->moved = true;
+      ++moved_voxels_;
+    });
   }
 
   MovedReturnsOptions options_;

@@ -14,7 +14,7 @@ struct MovedReturnsOptions {
   double voxel_size = 0.1;  ///< m
   /// A voxel was passed if more than this number of passages comes on each hit, in it and its 26
   /// neighbours together, where its own count nine times.
-  double passages_per_hit = 0.88;
+  double passages_per_hit = 0.92;
   double seconds_together = 0.5;  ///< that scans with and without a return may be apart
 };
 
@@ -34,7 +34,8 @@ struct MovedReturnsOptions {
 /// The more scans, the more voxels beside surfaces have a return or two and are passed. What moves
 /// is larger: a group of voxels that were passed, each among eight of them, or half of the voxels
 /// around where these are fewer. Groups of fewer than 100 voxels count only where hardly anything
-/// stands around them.
+/// stands around them. To a group belong the voxels at its edge of which 0.3 passages come on each
+/// hit of their own.
 ///
 /// Give all scans to add_returns(), then all to add_rays(), both in their order, then decide().
 /// Memory: about 70 bytes a voxel with a return, 1 kB for each 64^3 voxels, and the rays of
