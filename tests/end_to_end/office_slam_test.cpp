@@ -3,10 +3,7 @@
 // office, `kissmap run`, `kissmap export-grid`, read back as map servers do.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <string>
 
 #include "end_to_end/map_in_world.hpp"
@@ -114,18 +111,8 @@ class OfficeBySlam : public testing::Test {
     const Eigen::Vector2d place(begin.x, begin.y);
     const Eigen::AlignedBox2d start(place - Eigen::Vector2d(0.8, 1.2),
                                     place + Eigen::Vector2d(1.2, 0.8));
-    // Its random numbers are its own, and from some of them its 2,000 particles lose the way: it
-    // has to find it once in three times.
-    constexpr double found = 0.1;  // m
-    double best = std::numeric_limits<double>::infinity();
-    for (int attempt = 0; attempt < 3 && best >= found; ++attempt) {
-      std::vector<double> errors = localise_with_mrpt(
-          laser_map(), steps, options, start, path("mrpt" + std::to_string(attempt)));
-      errors.erase(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
-      std::ranges::sort(errors);
-      best = std::min(best, errors[errors.size() / 2]);
-    }
-    EXPECT_LT(best, found) << "median error of MRPT's particle filter";
+    EXPECT_LT(median_error_with_mrpt(laser_map(), steps, options, start, path(""), {0.0, 0.1}),
+              0.1);
   }
 #endif
 
