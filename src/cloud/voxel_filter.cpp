@@ -2,10 +2,13 @@
 #include "kissmap/cloud/voxel_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 namespace kissmap {
 namespace {
+
+constexpr std::size_t batch = 32;  // points whose places in the table are on their way at a time
 
 // The order of the kept points. Spatial hash of Teschner et al., "Optimized Spatial Hashing for
 // Collision Detection of Deformable Objects" (2003), with the second factor of the published
@@ -25,13 +28,24 @@ void VoxelFilter::apply(std::span<const Eigen::Vector3f> points,
   const auto per_metre = static_cast<float>(1.0 / voxel_size);
   // At most half full, and a function of the cloud alone, as the order of the result hangs on it.
   table_.assign(std::bit_ceil(std::max<std::size_t>(1, 2 * points.size())), Entry{});
+  const std::size_t mask = table_.size() - 1;
   VoxelKey last = no_voxel;
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    const Voxel voxel = voxel_of(points[i], per_metre);
-    const VoxelKey key = voxel_key(voxel);
-    // Neighbours in a sweep mostly share their voxel, which saves the look-up.
-    if (key != last) insert({key, i}, order_hash(voxel));
-    last = key;
+  std::array<Entry, batch> entries;
+  std::array<std::size_t, batch> homes;
+  for (std::size_t begin = 0; begin < points.size(); begin += batch) {
+    const std::size_t end = std::min(points.size(), begin + batch);
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Voxel voxel = voxel_of(points[i], per_metre);
+      const VoxelKey key = voxel_key(voxel);
+      // Neighbours in a sweep mostly share their voxel, which saves the look-up.
+      if (key == last) continue;
+      last = key;
+      entries[count] = {key, static_cast<std::uint32_t>(i)};
+      homes[count] = order_hash(voxel) & mask;
+      __builtin_prefetch(&table_[homes[count++]], 1);
+    }
+    for (std::size_t i = 0; i < count; ++i) insert(entries[i], homes[i]);
   }
   kept.clear();
   for (const Entry& entry : table_) {
@@ -39,9 +53,9 @@ void VoxelFilter::apply(std::span<const Eigen::Vector3f> points,
   }
 }
 
-void VoxelFilter::insert(const Entry& entry, std::size_t hash) {
+void VoxelFilter::insert(const Entry& entry, std::size_t home) {
   const std::size_t mask = table_.size() - 1;
-  std::size_t i = hash & mask;
+  std::size_t i = home;
   while (table_[i].key != no_voxel) {
     if (table_[i].key == entry.key) return;
     i = (i + 1) & mask;

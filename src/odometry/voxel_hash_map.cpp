@@ -8,6 +8,7 @@ namespace kissmap {
 namespace {
 
 constexpr unsigned initial_bits = 12;
+constexpr std::size_t batch = 32;  // points
 
 // Rounding may put a point one voxel off by at most this share of a voxel.
 constexpr float voxel_slack = 1e-3F;
@@ -42,24 +43,42 @@ VoxelHashMap::VoxelHashMap(double voxel_size, int max_points_per_voxel)
       bits_(initial_bits) {
 }
 
+// Points come from all over the map: while some are added, the memory of those after them is on
+// its way.
 void VoxelHashMap::add(std::span<const Eigen::Vector3f> points) {
-  for (const Eigen::Vector3f& point : points) {
-    Entry& entry = find_or_insert(voxel_key(voxel_of(point, per_metre_)));
-    if (entry.count == max_points_) continue;
-    Block& b = block(entry.block);
-    float nearest = far_away;
-    for (std::uint32_t i = 0; i < capacity; ++i) {
-      const float dx = b.x[i] - point.x();
-      const float dy = b.y[i] - point.y();
-      const float dz = b.z[i] - point.z();
-      nearest = std::min(nearest, dx * dx + dy * dy + dz * dz);
+  std::array<VoxelKey, batch> keys;
+  std::array<Entry*, batch> entries;
+  while (!points.empty()) {
+    const std::size_t n = std::min(points.size(), batch);
+    while (2 * (voxel_count_ + n) > table_.size()) grow();
+    for (std::size_t i = 0; i < n; ++i) {
+      keys[i] = voxel_key(voxel_of(points[i], per_metre_));
+      __builtin_prefetch(&table_[voxel_hash(keys[i], bits_)]);
     }
-    if (nearest < min_spacing_squared_) continue;
-    b.x[entry.count] = point.x();
-    b.y[entry.count] = point.y();
-    b.z[entry.count] = point.z();
-    b.count = ++entry.count;
+    for (std::size_t i = 0; i < n; ++i) {
+      entries[i] = &find_or_insert(keys[i]);
+      if (entries[i]->count < max_points_) prefetch(block(entries[i]->block));
+    }
+    for (std::size_t i = 0; i < n; ++i) add(points[i], *entries[i]);
+    points = points.subspan(n);
   }
+}
+
+void VoxelHashMap::add(const Eigen::Vector3f& point, Entry& entry) {
+  if (entry.count == max_points_) return;
+  Block& b = block(entry.block);
+  float nearest = far_away;
+  for (std::uint32_t i = 0; i < capacity; ++i) {
+    const float dx = b.x[i] - point.x();
+    const float dy = b.y[i] - point.y();
+    const float dz = b.z[i] - point.z();
+    nearest = std::min(nearest, dx * dx + dy * dy + dz * dz);
+  }
+  if (nearest < min_spacing_squared_) return;
+  b.x[entry.count] = point.x();
+  b.y[entry.count] = point.y();
+  b.z[entry.count] = point.z();
+  b.count = ++entry.count;
 }
 
 void VoxelHashMap::remove_farther_than(double distance, const Eigen::Vector3d& center) {
@@ -164,7 +183,6 @@ const VoxelHashMap::Entry* VoxelHashMap::find(VoxelKey key) const {
 }
 
 VoxelHashMap::Entry& VoxelHashMap::find_or_insert(VoxelKey key) {
-  if (2 * (voxel_count_ + 1) > table_.size()) grow();
   const std::size_t mask = table_.size() - 1;
   std::size_t i = voxel_hash(key, bits_);
   while (table_[i].key != key) {
@@ -206,6 +224,12 @@ void VoxelHashMap::grow() {
     std::size_t i = voxel_hash(entry.key, bits_);
     while (table_[i].key != no_voxel) i = (i + 1) & mask;
     table_[i] = entry;
+  }
+}
+
+void VoxelHashMap::prefetch(const Block& block) {
+  for (std::size_t line = 0; line < sizeof(Block); line += alignof(Block)) {
+    __builtin_prefetch(reinterpret_cast<const std::byte*>(&block) + line);
   }
 }
 

@@ -30,7 +30,7 @@ class VoxelFilter {
     std::uint32_t point_idx = 0;
   };
 
-  void insert(const Entry& entry, std::size_t hash);
+  void insert(const Entry& entry, std::size_t home);
 
   std::vector<Entry> table_;  ///< open addressing, linear probing, at most half full
 };

@@ -92,7 +92,9 @@ class VoxelHashMap {
 
   struct Search;
   const Entry* find(VoxelKey key) const;
-  Entry& find_or_insert(VoxelKey key);
+  Entry& find_or_insert(VoxelKey key);  ///< Needs room in the table.
+  void add(const Eigen::Vector3f& point, Entry& entry);
+  static void prefetch(const Block& block);
   void erase(VoxelKey key);
   void grow();
   std::uint32_t take_block(VoxelKey key);
