@@ -45,7 +45,7 @@ Overlay overlay(const SurfelCloud& query,
     }
     const Eigen::Vector3f normal = rotation * query.normals[i];
     if (std::abs(normal.z()) > steep) continue;
-    const std::int32_t nearest = reference.nearest(mean);
+    const std::int32_t nearest = reference.nearest(mean).surfel;
     if (nearest < 0) continue;
     ++near;
     const auto match = static_cast<std::size_t>(nearest);

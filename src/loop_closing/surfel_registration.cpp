@@ -27,6 +27,9 @@ constexpr int min_pairs = 20;
 constexpr double independent_pairs = 100.0;
 constexpr double pair_sigma = 0.03;            // m
 constexpr double least_share_of_faces = 0.05;  // of the planes, that a direction needs
+// Of distances in float, at most.
+constexpr float rounding_share = 1.0001F;
+constexpr float rounding = 1e-5F;  // m
 
 /// A guess that is weighed beside the pairs.
 struct Prior {
@@ -56,6 +59,7 @@ SurfelCloud sample(const SurfelCloud& surfels, std::size_t most) {
 
 Sums accumulate(const SurfelCloud& samples,
                 const SurfelMap& reference,
+                NearestSurfels& surfels,
                 const Rigid3& reference_from_query,
                 double reach) {
   const Eigen::Matrix3d rotation = reference_from_query.rotation.toRotationMatrix();
@@ -64,7 +68,7 @@ Sums accumulate(const SurfelCloud& samples,
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Eigen::Vector3d point = samples.means[i].cast<double>();
     const Eigen::Vector3d moved = rotation * point + reference_from_query.translation;
-    const std::int32_t nearest = reference.nearest(moved.cast<float>());
+    const std::int32_t nearest = surfels.of(i, moved.cast<float>());
     if (nearest < 0) continue;
     const auto match = static_cast<std::size_t>(nearest);
     const Eigen::Vector3d apart = moved - reference.surfels().means[match].cast<double>();
@@ -103,8 +107,10 @@ void refine(const SurfelCloud& samples,
             SurfelAlignment& alignment,
             const Prior* prior = nullptr) {
   alignment.converged = false;
+  NearestSurfels nearest(reference, samples.size());
   for (int i = 0; i < max_iterations; ++i) {
-    const Sums sums = accumulate(samples, reference, alignment.reference_from_query, reach);
+    const Sums sums =
+        accumulate(samples, reference, nearest, alignment.reference_from_query, reach);
     alignment.pairs = sums.pairs;
     alignment.residual_after = rms(sums);
     alignment.hessian = sums.hessian;
@@ -222,12 +228,13 @@ std::size_t SurfelMap::slot_of(VoxelKey block) const {
   return slot;
 }
 
-std::int32_t SurfelMap::nearest(const Eigen::Vector3f& point) const {
+SurfelMap::Nearest SurfelMap::nearest(const Eigen::Vector3f& point) const {
   const Voxel center = voxel_of(point, per_metre_);
   const Voxel first = block_of({center.x - 1, center.y - 1, center.z - 1});
   const Voxel last = block_of({center.x + 1, center.y + 1, center.z + 1});
   std::int32_t best = -1;
   float best_squared = std::numeric_limits<float>::infinity();
+  float next_squared = best_squared;
   for (std::int32_t x = first.x; x <= last.x; ++x) {
     for (std::int32_t y = first.y; y <= last.y; ++y) {
       for (std::int32_t z = first.z; z <= last.z; ++z) {
@@ -237,14 +244,40 @@ std::int32_t SurfelMap::nearest(const Eigen::Vector3f& point) const {
           const std::uint64_t bit = around & (~around + 1);
           const std::size_t at = block.surfels + rank(block.voxels, bit);
           const float squared = (surfels_.means[at] - point).squaredNorm();
-          if (squared >= best_squared) continue;
+          if (squared >= best_squared) {
+            next_squared = std::min(next_squared, squared);
+            continue;
+          }
+          next_squared = best_squared;
           best_squared = squared;
           best = static_cast<std::int32_t>(at);
         }
       }
     }
   }
-  return best;
+  return {best, std::sqrt(best_squared), std::sqrt(next_squared)};
+}
+
+NearestSurfels::NearestSurfels(const SurfelMap& reference, std::size_t samples)
+    : reference_(reference), found_(samples) {
+}
+
+std::int32_t NearestSurfels::of(std::size_t sample, const Eigen::Vector3f& point) {
+  Found& found = found_[sample];
+  const VoxelKey voxel = reference_.voxel_at(point);
+  if (voxel != found.voxel || !still_nearest(found, point)) {
+    found = {voxel, point, reference_.nearest(point)};
+  }
+  return found.nearest.surfel;
+}
+
+// Of a point in the same voxel: it came nearer to others by no more than it moved.
+bool NearestSurfels::still_nearest(const Found& found, const Eigen::Vector3f& point) const {
+  if (found.nearest.surfel < 0) return true;
+  const auto surfel = static_cast<std::size_t>(found.nearest.surfel);
+  const float distance = (reference_.surfels().means[surfel] - point).norm();
+  const float moved = (point - found.point).norm();
+  return distance < found.nearest.next_distance - moved * rounding_share - rounding;
 }
 
 bool SurfelMap::occupied(const Eigen::Vector3f& point) const {
@@ -268,7 +301,8 @@ SurfelAlignment register_surfels(const SurfelCloud& query,
   refine(samples, reference.coarse(), coarseness * voxel, max_iterations_coarse, alignment);
   // In narrow places coarse pairs join opposite walls: a guess that fits better is kept.
   const auto fit = [&](const Rigid3& reference_from_query) {
-    return accumulate(samples, reference.fine(), reference_from_query, reach).weights;
+    NearestSurfels nearest(reference.fine(), samples.size());
+    return accumulate(samples, reference.fine(), nearest, reference_from_query, reach).weights;
   };
   if (fit(guess_reference_from_query) > fit(alignment.reference_from_query)) {
     alignment.reference_from_query = guess_reference_from_query;

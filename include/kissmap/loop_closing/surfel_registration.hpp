@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -22,9 +23,20 @@ class SurfelMap {
   /// `voxel_size` [m] is also the reach of nearest().
   SurfelMap(const SurfelCloud& surfels, double voxel_size);
 
-  /// Number of the surfel nearest to a point among the 27 voxels around it; negative if there is
-  /// none.
-  std::int32_t nearest(const Eigen::Vector3f& point) const;
+  /// What a search found, and how sure it is.
+  struct Nearest {
+    std::int32_t surfel = -1;  ///< its number; negative if there is none
+    float distance = std::numeric_limits<float>::infinity();       ///< m
+    float next_distance = std::numeric_limits<float>::infinity();  ///< m, of the second nearest
+  };
+
+  /// The surfel nearest to a point among the 27 voxels around it.
+  Nearest nearest(const Eigen::Vector3f& point) const;
+
+  /// That a point lies in.
+  VoxelKey voxel_at(const Eigen::Vector3f& point) const {
+    return voxel_key(voxel_of(point, per_metre_));
+  }
 
   /// True if the voxel of a point holds a surfel.
   bool occupied(const Eigen::Vector3f& point) const;
@@ -45,6 +57,28 @@ class SurfelMap {
   float per_metre_;
   unsigned bits_ = 0;
   std::vector<Block> table_;
+};
+
+/// Finds the surfels nearest to the same samples again and again. Once these move by little, most
+/// are still those found before. Not thread safe.
+class NearestSurfels {
+ public:
+  /// `reference` has to outlive it.
+  NearestSurfels(const SurfelMap& reference, std::size_t samples);
+
+  /// The same as reference.nearest(point).surfel, for the place a sample is at now.
+  std::int32_t of(std::size_t sample, const Eigen::Vector3f& point);
+
+ private:
+  struct Found {
+    VoxelKey voxel = no_voxel;  ///< that the search began in
+    Eigen::Vector3f point = Eigen::Vector3f::Zero();
+    SurfelMap::Nearest nearest;
+  };
+  bool still_nearest(const Found& found, const Eigen::Vector3f& point) const;
+
+  const SurfelMap& reference_;
+  std::vector<Found> found_;
 };
 
 /// How two local maps fit together, see register_surfels().

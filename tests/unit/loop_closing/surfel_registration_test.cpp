@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <random>
 
 #include "support/matchers.hpp"
@@ -72,6 +74,7 @@ TEST(SurfelMap, FindsTheNearestOfTheVoxelsAroundAsAnExhaustiveSearchDoes) {
     const Eigen::Vector3f point = 1.2F * any_point();
     const Voxel center = voxel_of(point, per_metre);
     std::optional<std::size_t> best;
+    std::vector<float> distances;
     bool occupied = false;
     for (const std::size_t other : kept) {
       const Voxel at = voxel_of(surfels.means[other], per_metre);
@@ -80,24 +83,60 @@ TEST(SurfelMap, FindsTheNearestOfTheVoxelsAroundAsAnExhaustiveSearchDoes) {
           std::abs(at.z - center.z) > 1) {
         continue;
       }
+      distances.push_back((surfels.means[other] - point).norm());
       if (!best || (surfels.means[other] - point).squaredNorm() <
                        (surfels.means[*best] - point).squaredNorm()) {
         best = other;
       }
     }
     EXPECT_EQ(map.occupied(point), occupied);
-    const std::int32_t found = map.nearest(point);
-    ASSERT_EQ(found >= 0, best.has_value());
+    const SurfelMap::Nearest found = map.nearest(point);
+    ASSERT_EQ(found.surfel >= 0, best.has_value());
+    distances.resize(std::max<std::size_t>(2, distances.size()),
+                     std::numeric_limits<float>::infinity());
+    std::ranges::sort(distances);
+    EXPECT_FLOAT_EQ(found.distance, distances[0]);
+    EXPECT_FLOAT_EQ(found.next_distance, distances[1]);
     if (!best) {
       ++without;
       continue;
     }
-    const auto at = static_cast<std::size_t>(found);
+    const auto at = static_cast<std::size_t>(found.surfel);
     EXPECT_EQ(map.surfels().means[at], surfels.means[*best]);
     EXPECT_EQ(map.surfels().normals[at], surfels.normals[*best]);
   }
   EXPECT_GT(without, 50);
   EXPECT_LT(without, 1000);
+}
+
+TEST(NearestSurfels, AreThoseOfASearchWhereverTheSamplesMove) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> coordinate(-3.0F, 3.0F);
+  std::normal_distribution<float> step(0.0F, 1.0F);
+  const auto strewn = [&](auto& along, float scale) -> Eigen::Vector3f {
+    return scale * Eigen::Vector3f(along(random), along(random), along(random));
+  };
+  SurfelCloud surfels;
+  for (int i = 0; i < 1500; ++i) {
+    surfels.means.push_back(strewn(coordinate, 1.0F));
+    surfels.normals.emplace_back(Eigen::Vector3f::UnitZ());
+  }
+  const SurfelMap map(surfels, voxel);
+  std::vector<Eigen::Vector3f> samples;
+  for (int i = 0; i < 300; ++i) samples.push_back(strewn(coordinate, 1.2F));
+  NearestSurfels nearest(map, samples.size());
+  int changed = 0;
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    const float length = 0.3F * std::pow(0.85F, static_cast<float>(iteration));  // m
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const std::int32_t before = map.nearest(samples[i]).surfel;
+      samples[i] += strewn(step, length);
+      const std::int32_t expected = map.nearest(samples[i]).surfel;
+      EXPECT_EQ(nearest.of(i, samples[i]), expected);
+      changed += static_cast<int>(before != expected);
+    }
+  }
+  EXPECT_GT(changed, 1000);
 }
 
 TEST(RegisterPoints, FindsAnyMotionInARoom) {
