@@ -7,9 +7,9 @@
 
 #include <numbers>
 #include <random>
-#include <sstream>
 
 #include "formats/clouds/refusal.hpp"
+#include "formats/hdl_64e_unit.hpp"
 #include "formats/sensor_recording.hpp"
 #include "formats/sensors/velodyne_decoder.hpp"
 #include "formats/support.hpp"
@@ -19,28 +19,18 @@ namespace kissmap {
 namespace {
 
 using test::error_of;
+using test::hdl_64e_packet;
 using test::points_of;
+using test::random_calibration;
 using test::take_all;
 using test::VelodynePacket;
+using test::yaml_of;
 using testing::HasSubstr;
 
 constexpr double pi = std::numbers::pi;
 constexpr std::int64_t second_ns = 1'000'000'000;
 constexpr std::int64_t host_ns = 1'700'000'000 * second_ns;  // 472222 h + 800 s
 constexpr std::uint32_t past_hour_us = 800'000'000;
-
-/// A packet as the manual lays it out: upper and lower bank in turns.
-VelodynePacket packet(std::uint32_t us,
-                      long first_steps,
-                      long steps_a_column,
-                      std::size_t banks = 2) {
-  VelodynePacket made(0x17, 0x00, us);
-  for (std::size_t block = 0; block < VelodynePacket::blocks; ++block) {
-    made.mark(block, block % 2 == 0 ? 0xEEFF : 0xDDFF);
-    made.azimuth(block, first_steps + static_cast<long>(block / banks) * steps_a_column);
-  }
-  return made;
-}
 
 std::vector<Scan> decode(const Hdl64eCalibration& calibration,
                          const std::vector<VelodynePacket>& packets,
@@ -62,36 +52,15 @@ Eigen::Vector3d only_point(const Hdl64eCalibration& calibration, const VelodyneP
   return points.at(0);
 }
 
-Hdl64eCalibration random_calibration(unsigned seed) {
-  std::mt19937 random(seed);
-  const auto within = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  Hdl64eCalibration calibration;
-  for (Hdl64eLaser& laser : calibration) {
-    laser.rotation = within(-0.15, 0.15);
-    laser.elevation = within(-0.44, 0.04);
-    laser.distance = within(0.9, 1.5);
-    laser.two_points = true;
-    laser.distance_at_x = laser.distance + within(-0.05, 0.05);
-    laser.distance_at_y = laser.distance + within(-0.05, 0.05);
-    laser.vertical_offset = within(0.15, 0.22);
-    laser.horizontal_offset = within(-0.03, 0.03);
-    laser.focal_distance = within(0.0, 2000.0);
-    laser.focal_slope = within(0.8, 1.6);
-  }
-  return calibration;
-}
-
 TEST(Hdl64eDecoder, PlacesReturnsByTheAnglesOfTheLaser) {
   Hdl64eCalibration calibration;
   calibration[0].elevation = -15.0 * pi / 180.0;
   calibration[32].rotation = 10.0 * pi / 180.0;
   const Eigen::Vector3d below =
-      only_point(calibration, packet(past_hour_us, 0, 17).shot(0, 0, 5000, 9));
+      only_point(calibration, hdl_64e_packet(past_hour_us, 0, 17).shot(0, 0, 5000, 9));
   EXPECT_NEAR((below - Eigen::Vector3d(9.6593, 0.0, -2.5882)).norm(), 0.0, 1e-4);
   const Eigen::Vector3d right =
-      only_point(calibration, packet(past_hour_us, 10000, 17).shot(1, 0, 5000, 9));
+      only_point(calibration, hdl_64e_packet(past_hour_us, 10000, 17).shot(1, 0, 5000, 9));
   EXPECT_NEAR((right - Eigen::Vector3d(0.0, -10.0, 0.0)).norm(), 0.0, 1e-4);
 }
 
@@ -103,7 +72,7 @@ TEST(Hdl64eDecoder, DistancesAreCorrectedAsMeasuredAtBothWalls) {
   calibration[0].distance_at_x = 1.2;
   calibration[0].distance_at_y = 0.7;
   const auto corrected = [&](long steps, unsigned raw) {
-    return only_point(calibration, packet(past_hour_us, steps, 17).shot(0, 0, raw, 9));
+    return only_point(calibration, hdl_64e_packet(past_hour_us, steps, 17).shot(0, 0, raw, 9));
   };
   EXPECT_NEAR(corrected(9000, 700).y(), -(1.4 + 1.2), 1e-4);      // 2.40 m to the right
   EXPECT_NEAR(corrected(9000, 12020).y(), -(24.04 + 1.0), 1e-4);  // 25.04 m
@@ -116,12 +85,12 @@ TEST(Hdl64eDecoder, OffsetsMoveTheRaySideways) {
   calibration[5].horizontal_offset = 0.026;
   calibration[5].vertical_offset = 0.2;
   const Eigen::Vector3d ahead =
-      only_point(calibration, packet(past_hour_us, 0, 0).shot(0, 5, 5000, 9));
+      only_point(calibration, hdl_64e_packet(past_hour_us, 0, 0).shot(0, 5, 5000, 9));
   // 2.6 cm to the left of a ray straight ahead, 20 cm above.
   EXPECT_NEAR((ahead - Eigen::Vector3d(10.0, 0.026, 0.2)).norm(), 0.0, 1e-4);
   calibration[5].elevation = 0.5;
   const Eigen::Vector3d up =
-      only_point(calibration, packet(past_hour_us, 0, 0).shot(0, 5, 5000, 9));
+      only_point(calibration, hdl_64e_packet(past_hour_us, 0, 0).shot(0, 5, 5000, 9));
   const Eigen::Vector3d along(std::cos(0.5), 0.0, std::sin(0.5));
   const Eigen::Vector3d across(-std::sin(0.5), 0.0, std::cos(0.5));
   EXPECT_NEAR((up - 10.0 * along - 0.2 * across - Eigen::Vector3d(0, 0.026, 0)).norm(), 0.0, 1e-4);
@@ -140,8 +109,8 @@ TEST_P(Hdl64ePace, IsToldByThePacketsThemselves) {
   constexpr long steps_a_column = 18;
   std::vector<VelodynePacket> packets;
   for (std::uint32_t i = 0; i < 4; ++i) {
-    packets.push_back(
-        packet(past_hour_us + i * packet_us + i / 2, i * 6 * steps_a_column, steps_a_column));
+    packets.push_back(hdl_64e_packet(
+        past_hour_us + i * packet_us + i / 2, i * 6 * steps_a_column, steps_a_column));
   }
   packets[0].shot(0, 0, 5000, 1).shot(11, 31, 5000, 1);
   packets[3].shot(5, 4, 5000, 1);
@@ -167,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(Models,
 TEST(Hdl64eDecoder, AnS1IsDatedByTheReceiver) {
   std::vector<VelodynePacket> packets;
   for (std::uint32_t i = 0; i < 40; ++i) {
-    packets.push_back(packet(0x12345678 * i, static_cast<long>(i), 0).shot(0, 0, 5000, 1));
+    packets.push_back(hdl_64e_packet(0x12345678 * i, static_cast<long>(i), 0).shot(0, 0, 5000, 1));
   }
   const std::vector<Scan> scans = decode({}, packets, 384'600);
   ASSERT_EQ(scans.size(), 1U);
@@ -178,7 +147,7 @@ TEST(Hdl64eDecoder, AnS1IsDatedByTheReceiver) {
 TEST(Hdl64eDecoder, TwoReturnsShareTheirTime) {
   std::vector<VelodynePacket> packets;
   for (std::uint32_t i = 0; i < 2; ++i) {
-    packets.push_back(packet(past_hour_us + 144 * i, 60 * static_cast<long>(i), 20, 4));
+    packets.push_back(hdl_64e_packet(past_hour_us + 144 * i, 60 * static_cast<long>(i), 20, 4));
   }
   packets[1].shot(0, 3, 5000, 1).shot(2, 3, 6000, 1);  // two distances
   packets[1].shot(4, 3, 5000, 1).shot(6, 3, 5000, 1);  // the same twice
@@ -196,39 +165,17 @@ TEST(Hdl64eDecoder, IntensityStaysWithinTheLimits) {
   calibration[0].focal_slope = 1.5;
   calibration[0].focal_distance = 13'100.0;  // the focal term is zero
   calibration[0].most_intensity = 200.0;
-  VelodynePacket one = packet(past_hour_us, 0, 17);
+  VelodynePacket one = hdl_64e_packet(past_hour_us, 0, 17);
   one.shot(0, 0, 32768, 10).shot(2, 0, 32768, 250);
   const std::vector<Scan> scans = decode(calibration, {one});
   EXPECT_NEAR(scans.at(0).intensities.at(0), 10 + 1.5 * 64.0, 0.01);
   EXPECT_EQ(scans.at(0).intensities.at(1), 200.0F);
 }
 
-/// As gen_calibration.py of the ROS driver writes it.
-std::string yaml_of(const Hdl64eCalibration& calibration) {
-  std::ostringstream text;
-  text.precision(17);
-  text << "lasers:\n";
-  for (std::size_t i = 0; i < calibration.size(); ++i) {
-    const std::size_t id = calibration.size() - 1 - i;  // any order
-    const Hdl64eLaser& laser = calibration[id];
-    text << "- {dist_correction: " << laser.distance
-         << ", dist_correction_x: " << laser.distance_at_x
-         << ", dist_correction_y: " << laser.distance_at_y
-         << ", focal_distance: " << laser.focal_distance << ", focal_slope: " << laser.focal_slope
-         << ", horiz_offset_correction: " << laser.horizontal_offset << ", laser_id: " << id
-         << ", max_intensity: " << laser.most_intensity
-         << ", min_intensity: " << laser.least_intensity << ", rot_correction: " << laser.rotation
-         << ", two_pt_correction_available: true, vert_correction: " << laser.elevation
-         << ", vert_offset_correction: " << laser.vertical_offset << "}\n";
-  }
-  text << "num_lasers: 64\ndistance_resolution: 0.002\n";
-  return text.str();
-}
-
 TEST(Hdl64eCalibrationFile, IsReadInAnyOrderOfLasers) {
   const Hdl64eCalibration written = random_calibration(1);
   const Hdl64eCalibration read = read_hdl_64e_calibration(yaml_of(written), "unit.yaml");
-  VelodynePacket one = packet(past_hour_us, 1234, 17);
+  VelodynePacket one = hdl_64e_packet(past_hour_us, 1234, 17);
   for (std::size_t block = 0; block < 12; ++block) {
     for (std::size_t shot = 0; shot < 32; ++shot)
       one.shot(block, shot, 1000 + 37U * static_cast<unsigned>(shot), 40);
@@ -262,7 +209,7 @@ TEST(Hdl64eCalibrationFile, WhatIsWrongIsNamed) {
 TEST(Hdl64eDecoder, WithoutItsCalibrationItIsRefusedWithTheCure) {
   const auto decoder = make_velodyne_decoder();
   try {
-    decoder->add(packet(past_hour_us, 0, 17).bytes(), host_ns);
+    decoder->add(hdl_64e_packet(past_hour_us, 0, 17).bytes(), host_ns);
     FAIL();
   } catch (const Refusal& refusal) {
     EXPECT_THAT(refusal.what(), HasSubstr("HDL-64E"));
@@ -278,8 +225,8 @@ TEST(Hdl64eDecoder, AnotherVelodyneIsRefused) {
 TEST(Hdl64eDecoder, OtherTrafficAndDamageAreCounted) {
   const auto decoder = make_hdl_64e_decoder({});
   decoder->add({}, host_ns);
-  decoder->add(packet(past_hour_us, 0, 17).shot(0, 0, 5000, 1).bytes(), host_ns);
-  decoder->add(packet(past_hour_us + 288, 0, 17).mark(4, 0x1234).bytes(), host_ns);
+  decoder->add(hdl_64e_packet(past_hour_us, 0, 17).shot(0, 0, 5000, 1).bytes(), host_ns);
+  decoder->add(hdl_64e_packet(past_hour_us + 288, 0, 17).mark(4, 0x1234).bytes(), host_ns);
   decoder->finish();
   EXPECT_EQ(decoder->counts().foreign, 1U);
   EXPECT_EQ(decoder->counts().damaged, 1U);
@@ -291,7 +238,7 @@ TEST(Hdl64eDecoder, NothingBadComesOfRandomBytes) {
   for (int round = 0; round < 50; ++round) {
     const auto decoder = make_hdl_64e_decoder(random_calibration(4));
     for (int i = 0; i < 40; ++i) {
-      std::vector<std::byte> bytes = packet(past_hour_us, 0, 17).bytes();
+      std::vector<std::byte> bytes = hdl_64e_packet(past_hour_us, 0, 17).bytes();
       for (int change = 0; change < 200; ++change) {
         // Marks stay, so that packets are looked into.
         const std::size_t at = random() % bytes.size();
