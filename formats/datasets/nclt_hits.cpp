@@ -144,8 +144,10 @@ class HitsLog : public ScanLog {
       if (!(point.head<2>().norm() > 0.1F)) continue;
       // Seen from above the sensor turns clockwise.
       const double azimuth = -std::atan2(point.y(), point.x()) * 180.0 / std::numbers::pi;
-      if (!begun) builder_.begin_column(std::fmod(azimuth + 720.0, 360.0), time_ns, time_ns);
-      begun = true;
+      if (!std::exchange(begun, true)) {
+        const double from_ahead = std::fmod(azimuth + 720.0, 360.0);
+        builder_.begin_column(from_ahead, time_ns, time_ns, hits.size() / hit_bytes);
+      }
       builder_.add(point, static_cast<float>(at<std::uint8_t>(hits, i + 6)), time_ns);
     }
   }

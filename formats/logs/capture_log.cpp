@@ -8,6 +8,7 @@
 #include "formats/files/input_file.hpp"
 #include "formats/logs/capture_survey.hpp"
 #include "formats/logs/logs.hpp"
+#include "formats/logs/pass_over.hpp"
 #include "formats/sensors/ouster_packet.hpp"
 #include "formats/sensors/sensor_calibration.hpp"
 #include "kissmap/error.hpp"
@@ -139,6 +140,8 @@ class CaptureLog : public ScanLog {
     if (entry) entry->index = next_index_++;
     return entry;
   }
+
+  void skip(std::size_t count) override { pass_over(count, *choice_.decoder, *this); }
 
   std::vector<LogFile> files() const override {
     std::vector<LogFile> files = choice_.side_files;

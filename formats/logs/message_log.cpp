@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/clouds/refusal.hpp"
+#include "formats/logs/pass_over.hpp"
 #include "formats/logs/sweep_maker.hpp"
 #include "kissmap/error.hpp"
 
@@ -122,7 +123,7 @@ class MessageLog : public ScanLog {
   }
 
   void skip(std::size_t count) override {
-    if (!maker_->one_scan_a_message()) return ScanLog::skip(count);
+    if (!maker_->one_scan_a_message()) return pass_over(count, *maker_, *this);
     if (count > 0 && peeked_) {
       peeked_.reset();
       --count;

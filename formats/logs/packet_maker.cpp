@@ -24,6 +24,10 @@ class PacketMaker : public SweepMaker {
     });
   }
   std::optional<Scan> take() override { return decoder_ ? decoder_->take() : std::nullopt; }
+  void pass(std::size_t scans) override {
+    to_pass_ = scans;
+    if (decoder_) decoder_->pass(to_pass_);
+  }
   void finish() override {
     if (decoder_) decoder_->finish();
   }
@@ -42,6 +46,7 @@ class PacketMaker : public SweepMaker {
 
  protected:
   std::unique_ptr<PacketDecoder> decoder_;
+  std::size_t to_pass_ = 0;
 
  private:
   LogFile calibration_;
@@ -91,6 +96,7 @@ class OusterMaker : public PacketMaker {
 
   void begin(const std::string& json) {
     decoder_ = make_ouster_decoder(read_ouster_metadata(json, "metadata topic"));
+    decoder_->pass(to_pass_);
     for (Waiting& packet : waiting_) {
       packet.message.data = packet.data;
       PacketMaker::add(packet.message, packet.topic);

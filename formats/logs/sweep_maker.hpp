@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,9 @@ class SweepMaker {
   virtual bool wants(const Topic&) const { return false; }
   /// The oldest scan that is complete.
   virtual std::optional<Scan> take() = 0;
+  /// Of the next scans, so many are not wanted; they may come with some of their points left out.
+  /// Replaces what was said before: see PacketDecoder::pass.
+  virtual void pass(std::size_t) {}
   /// No more messages come. Throws Refusal where nothing could be made of them.
   virtual void finish() {}
   /// Each message is a scan: passing over messages is passing over scans.

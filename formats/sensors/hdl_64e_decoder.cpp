@@ -80,14 +80,21 @@ class Hdl64eDecoder final : public PacketDecoder {
     std::int64_t host_ns = 0;
   };
 
+  void pass_incomplete(std::size_t sweeps) override { sweep_.pass(sweeps); }
   const Pace* pace_between(const PacketBytes& first, const PacketBytes& second) const;
   void decode_waiting();
   void decode(const PacketBytes& packet, std::int64_t host_ns);
   void measure_rate(const PacketBytes& packet, std::size_t per_column);
-  void decode_block(const PacketBytes& packet,
-                    std::size_t block,
-                    std::int64_t column_ns,
-                    bool dual);
+  /// A column of a packet and what was known when it came, as it may be decoded later.
+  struct Column {
+    std::size_t first_block = 0;
+    std::int64_t ns = 0;
+    bool dual = false;
+    double deg_per_us = 0.0;
+    std::size_t blocks() const { return dual ? 2 * banks : banks; }
+  };
+  void decode_column(const PacketBytes& packet, const Column& column);
+  void decode_block(const PacketBytes& packet, std::size_t block, const Column& column);
   static Eigen::Vector3f direction(const Hdl64eLaser& laser, double azimuth);
   Eigen::Vector3f point(const Hdl64eLaser& laser, double range, double azimuth) const;
   float intensity(const Hdl64eLaser& laser, unsigned raw, unsigned distance) const;
@@ -159,14 +166,17 @@ void Hdl64eDecoder::decode(const PacketBytes& packet, std::int64_t host_ns) {
   const bool dual = is_dual(packet);
   const std::size_t per_column = dual ? 2 * banks : banks;
   measure_rate(packet, per_column);
-  for (std::size_t block = 0; block < blocks; ++block) {
-    const std::size_t column = block / per_column;
-    const double column_us = static_cast<double>(column) * pace_->column_us;
+  KeptPacket kept(packet);
+  for (std::size_t block = 0; block < blocks; block += per_column) {
+    const double column_us = static_cast<double>(block / per_column) * pace_->column_us;
     const std::int64_t column_ns = packet_ns + std::llround(column_us * ns_per_us);
-    if (block % per_column == 0) {
-      sweep_.begin_column(velodyne_azimuth_steps(packet, block) * deg_per_step, column_ns, host_ns);
-    }
-    decode_block(packet, block, column_ns, dual);
+    sweep_.begin_column(velodyne_azimuth_steps(packet, block) * deg_per_step,
+                        column_ns,
+                        host_ns,
+                        per_column * velodyne_shots_per_block);
+    const Column column{block, column_ns, dual, deg_per_us_};
+    sweep_.decode_column(
+        kept, [this, column](const PacketBytes& bytes) { decode_column(bytes, column); });
   }
   ++counts_.decoded;
 }
@@ -181,25 +191,31 @@ void Hdl64eDecoder::measure_rate(const PacketBytes& packet, std::size_t per_colu
   if (rate > slowest_deg_per_us && rate < fastest_deg_per_us) deg_per_us_ = rate;
 }
 
+void Hdl64eDecoder::decode_column(const PacketBytes& packet, const Column& column) {
+  for (std::size_t i = 0; i < column.blocks(); ++i) {
+    decode_block(packet, column.first_block + i, column);
+  }
+}
+
 void Hdl64eDecoder::decode_block(const PacketBytes& packet,
                                  std::size_t block,
-                                 std::int64_t column_ns,
-                                 bool dual) {
+                                 const Column& column) {
   const std::size_t first_laser = block % banks * velodyne_shots_per_block;
-  const bool second = dual && block % (2 * banks) >= banks;
+  const bool second = column.dual && block % (2 * banks) >= banks;
   const int steps = velodyne_azimuth_steps(packet, block);
   for (std::size_t shot = 0; shot < velodyne_shots_per_block; ++shot) {
     const std::size_t at = velodyne_shot_at(block, shot);
     const std::uint16_t distance = packet.u16(at);
     // The other return of the same shot.
-    const bool twice = dual && packet.u16(velodyne_shot_at(second ? block - banks : block + banks,
-                                                           shot)) == distance;
+    const bool twice =
+        column.dual &&
+        packet.u16(velodyne_shot_at(second ? block - banks : block + banks, shot)) == distance;
     if (second && twice) continue;
-    if (distance == 0 && dual && !twice) continue;
+    if (distance == 0 && column.dual && !twice) continue;
     const Hdl64eLaser& laser = calibration_[first_laser + shot];
     const double us = shot_us(*pace_, shot);
-    const double azimuth = (steps + deg_per_us_ * us / deg_per_step) * rad_per_step;
-    const std::int64_t time_ns = column_ns + std::llround(us * ns_per_us);
+    const double azimuth = (steps + column.deg_per_us * us / deg_per_step) * rad_per_step;
+    const std::int64_t time_ns = column.ns + std::llround(us * ns_per_us);
     if (distance == 0) {
       sweep_.add_no_return(direction(laser, azimuth), time_ns);
     } else {

@@ -21,6 +21,10 @@ constexpr double deg_per_us_at_one_rpm = 6e-6;
 constexpr double ns_per_us = 1000.0;
 constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
+double azimuth_deg_of(const PacketBytes& bytes, const HesaiPacket& packet, std::size_t block) {
+  return bytes.u16(packet.block_start(block) + packet.azimuth_at) * deg_per_step;
+}
+
 class HesaiDecoder final : public PacketDecoder {
  public:
   explicit HesaiDecoder(HesaiAngles unit) : unit_(std::move(unit)) {}
@@ -30,12 +34,15 @@ class HesaiDecoder final : public PacketDecoder {
   std::string sensor() const override { return model_ == nullptr ? "Hesai" : model_->name; }
 
  private:
+  void pass_incomplete(std::size_t sweeps) override { sweep_.pass(sweeps); }
   const HesaiModel* recognize(const PacketBytes& bytes) const;
   std::optional<HesaiPacket> read(const PacketBytes& bytes, const HesaiModel& model) const;
-  void decode_column(const PacketBytes& bytes,
-                     const HesaiPacket& packet,
-                     std::size_t column,
-                     std::int64_t host_ns);
+  double column_us(const HesaiPacket& packet, std::size_t column) const;
+  void begin_column(const PacketBytes& bytes,
+                    const HesaiPacket& packet,
+                    std::size_t column,
+                    std::int64_t host_ns);
+  void decode_column(const PacketBytes& bytes, const HesaiPacket& packet, std::size_t column);
   bool repeats(const PacketBytes& bytes,
                const HesaiPacket& packet,
                std::size_t block,
@@ -64,8 +71,12 @@ void HesaiDecoder::add(std::span<const std::byte> payload, std::int64_t host_ns)
     return;
   }
   if (model_ == nullptr) use(*model);
+  KeptPacket kept(bytes);
   for (std::size_t column = 0; column < model_->blocks / packet->returns; ++column) {
-    decode_column(bytes, *packet, column, host_ns);
+    begin_column(bytes, *packet, column, host_ns);
+    sweep_.decode_column(kept, [this, packet = *packet, column](const PacketBytes& there) {
+      decode_column(there, packet, column);
+    });
   }
   ++counts_.decoded;
 }
@@ -106,21 +117,34 @@ void HesaiDecoder::use(const HesaiModel& model) {
   if (unit_.empty()) unit_.assign(model.angles.begin(), model.angles.end());
 }
 
-void HesaiDecoder::decode_column(const PacketBytes& bytes,
-                                 const HesaiPacket& packet,
-                                 std::size_t column,
-                                 std::int64_t host_ns) {
+// After the packet's time.
+double HesaiDecoder::column_us(const HesaiPacket& packet, std::size_t column) const {
   const std::size_t last_column = model_->blocks / packet.returns - 1;
   const double columns_after_stamp =
       static_cast<double>(column) -
       (model_->stamp_is_last ? static_cast<double>(last_column) : 0.0);
-  const double column_us = model_->stamped_block_us + columns_after_stamp * model_->column_us;
+  return model_->stamped_block_us + columns_after_stamp * model_->column_us;
+}
+
+void HesaiDecoder::begin_column(const PacketBytes& bytes,
+                                const HesaiPacket& packet,
+                                std::size_t column,
+                                std::int64_t host_ns) {
+  const std::int64_t after_ns = std::llround(column_us(packet, column) * ns_per_us);
+  sweep_.begin_column(azimuth_deg_of(bytes, packet, column * packet.returns),
+                      packet.time_ns + after_ns,
+                      host_ns,
+                      packet.returns * model_->lasers);
+}
+
+void HesaiDecoder::decode_column(const PacketBytes& bytes,
+                                 const HesaiPacket& packet,
+                                 std::size_t column) {
+  const double begin_us = column_us(packet, column);
   const std::span<const double> firing_us = model_->firing_us[(packet.first_order + column) % 2];
   const double deg_per_us = packet.turns_per_minute * deg_per_us_at_one_rpm;
   const std::size_t first_block = column * packet.returns;
-  const double azimuth_deg =
-      bytes.u16(packet.block_start(first_block) + packet.azimuth_at) * deg_per_step;
-  sweep_.begin_column(azimuth_deg, packet.time_ns + std::llround(column_us * ns_per_us), host_ns);
+  const double azimuth_deg = azimuth_deg_of(bytes, packet, first_block);
   for (std::size_t block = first_block; block < first_block + packet.returns; ++block) {
     for (std::size_t laser = 0; laser < model_->lasers; ++laser) {
       const std::size_t in_block = packet.azimuth_at + 2 + laser * packet.shot_size;
@@ -130,7 +154,7 @@ void HesaiDecoder::decode_column(const PacketBytes& bytes,
       if (distance == 0 && (block != first_block || !nothing_returned(bytes, packet, at))) continue;
       const double turned_deg = azimuth_deg + deg_per_us * firing_us[laser];
       const std::int64_t time_ns =
-          packet.time_ns + std::llround((column_us + firing_us[laser]) * ns_per_us);
+          packet.time_ns + std::llround((begin_us + firing_us[laser]) * ns_per_us);
       if (distance == 0) {
         sweep_.add_no_return(point(1.0, turned_deg, laser), time_ns);
       } else {

@@ -115,6 +115,8 @@ class OusterDecoder : public PacketDecoder {
   std::string sensor() const override { return "Ouster " + about_.product; }
 
  private:
+  void pass_incomplete(std::size_t sweeps) override { to_pass_ = sweeps; }
+
   // The last two frames are open.
   Frame& frame_of(std::uint16_t id, std::int64_t host_ns) {
     for (Frame& frame : frames_) {
@@ -172,11 +174,14 @@ class OusterDecoder : public PacketDecoder {
         ++counts_.damaged;
         continue;
       }
+      // One point tells that there is a sweep, and more of it is not wanted.
+      if (to_pass_ > 0 && !scan.points.empty()) continue;
       add_column(frame, c, static_cast<float>(static_cast<double>(passed) * 1e-9), scan);
     }
     if (scan.points.empty()) return;
     scan.time_source = TimeSource::recorded;
     sweeps_.push_back(std::move(scan));
+    if (to_pass_ > 0) --to_pass_;
   }
 
   void add_column(const Frame& frame, std::size_t column, float time, Scan& scan) {
@@ -213,6 +218,7 @@ class OusterDecoder : public PacketDecoder {
   OusterPackets packets_;
   OusterOptics optics_;
   std::vector<Frame> frames_;
+  std::size_t to_pass_ = 0;
 };
 
 }  // namespace

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 namespace kissmap {
 
@@ -15,6 +17,7 @@ class PacketBytes {
   explicit PacketBytes(std::span<const std::byte> payload) : payload_(payload) {}
 
   std::size_t size() const { return payload_.size(); }
+  std::span<const std::byte> payload() const { return payload_; }
 
   std::uint8_t u8(std::size_t at) const {
     if (at >= payload_.size()) throw std::out_of_range("read beyond the end of a packet");
@@ -36,6 +39,23 @@ class PacketBytes {
 
  private:
   std::span<const std::byte> payload_;
+};
+
+/// A packet that may have to stay: its bytes are copied once, when that is first asked for.
+class KeptPacket {
+ public:
+  explicit KeptPacket(const PacketBytes& bytes) : bytes_(bytes) {}
+
+  const PacketBytes& bytes() const { return bytes_; }
+  std::shared_ptr<const std::vector<std::byte>> copy() {
+    const auto payload = bytes_.payload();
+    if (!copy_) copy_ = std::make_shared<std::vector<std::byte>>(payload.begin(), payload.end());
+    return copy_;
+  }
+
+ private:
+  PacketBytes bytes_;
+  std::shared_ptr<const std::vector<std::byte>> copy_;
 };
 
 }  // namespace kissmap

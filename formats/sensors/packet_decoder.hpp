@@ -39,6 +39,12 @@ class PacketDecoder {
   /// The oldest complete sweep; nothing while none is complete.
   std::optional<Scan> take();
 
+  /// Of the next `sweeps` sweeps, those that are not complete yet are only counted: take() gives
+  /// each as soon as ever, but as a rule with no more than the points of one column. All that
+  /// follows is as if they had been decoded. Replaces what was said before, so that 0 ends it; of a
+  /// sweep that is begun and no longer passed over nothing is missing.
+  void pass(std::size_t sweeps);
+
   /// No more payloads come: what was begun becomes the last sweep, unless it is empty.
   virtual void finish() = 0;
 
@@ -48,6 +54,9 @@ class PacketDecoder {
   const PacketCounts& counts() const { return counts_; }
 
  protected:
+  /// The same, of sweeps that are not complete.
+  virtual void pass_incomplete(std::size_t sweeps) = 0;
+
   std::deque<Scan> sweeps_;
   PacketCounts counts_;
 };

@@ -43,8 +43,17 @@ std::vector<float> seconds_after(std::int64_t first_ns, std::span<const std::int
 
 }  // namespace
 
-void SweepBuilder::begin_column(double azimuth_deg, std::int64_t time_ns, std::int64_t host_ns) {
+void SweepBuilder::begin_column(double azimuth_deg,
+                                std::int64_t time_ns,
+                                std::int64_t host_ns,
+                                std::size_t shots) {
   end_column();
+  place_column(azimuth_deg, time_ns, host_ns);
+  shots_ += shots;
+}
+
+// Ends the sweep before it where it has to end.
+void SweepBuilder::place_column(double azimuth_deg, std::int64_t time_ns, std::int64_t host_ns) {
   if (!begun_) {
     restart(azimuth_deg, time_ns, host_ns);
     return;
@@ -67,8 +76,7 @@ void SweepBuilder::begin_column(double azimuth_deg, std::int64_t time_ns, std::i
     finish();
     covered_deg_ = std::remainder(covered_deg_, full_turn_deg);
     begin_sweep(time_ns, host_ns);
-  } else if (apart_by_more_than(time_ns, sweep_time_ns_, longest_sweep_ns) ||
-             scan_.points.size() + scan_.no_return_directions.size() > most_shots) {
+  } else if (apart_by_more_than(time_ns, sweep_time_ns_, longest_sweep_ns) || shots_ > most_shots) {
     finish();
     restart(azimuth_deg, time_ns, host_ns);
   }
@@ -114,6 +122,15 @@ void SweepBuilder::add_no_return(const Eigen::Vector3f& direction, std::int64_t 
   no_return_times_ns_.push_back(time_ns);
 }
 
+void SweepBuilder::pass(std::size_t sweeps) {
+  to_pass_ = sweeps;
+  if (to_pass_ > 0) return;
+  for (const auto& decode : std::exchange(put_off_, {})) {
+    end_column();
+    decode();
+  }
+}
+
 void SweepBuilder::end_column() {
   if (scan_.points.size() == column_points_) {
     scan_.no_return_directions.resize(column_no_returns_);
@@ -128,6 +145,8 @@ void SweepBuilder::finish() {
   begun_ = false;
   column_points_ = 0;
   column_no_returns_ = 0;
+  shots_ = 0;
+  put_off_.clear();
   Scan scan = std::exchange(scan_, {});
   const std::vector<std::int64_t> times_ns = std::exchange(times_ns_, {});
   const std::vector<std::int64_t> no_return_times_ns = std::exchange(no_return_times_ns_, {});
@@ -141,6 +160,7 @@ void SweepBuilder::finish() {
   scan.compensation = Compensation::no;
   scan.time_source = TimeSource::recorded;
   sweeps_.push_back(std::move(scan));
+  if (to_pass_ > 0) --to_pass_;
 }
 
 }  // namespace kissmap

@@ -38,21 +38,37 @@ class VelodyneDecoder final : public PacketDecoder {
   std::string sensor() const override { return model_ == nullptr ? "Velodyne" : model_->name; }
 
  private:
+  void pass_incomplete(std::size_t sweeps) override { sweep_.pass(sweeps); }
   void measure_pace(std::int64_t packet_us, const VelodyneBlocks& blocks);
   void measure_rate(const PacketBytes& packet,
                     const VelodyneBlocks& blocks,
                     std::int64_t packet_us);
-  void begin_column(const PacketBytes& packet,
-                    std::size_t block,
-                    const VelodyneBlocks& blocks,
-                    std::int64_t host_ns);
-  void decode_block(const PacketBytes& packet, std::size_t block, const VelodyneBlocks& blocks);
+  /// A column of a packet and what was known when it came, as it may be decoded later.
+  struct Column {
+    VelodyneBlocks blocks;
+    std::size_t first_block = 0;
+    std::int64_t packet_ns = 0;  ///< that of the packet, or what it would be without a gap before
+    double begin_us = 0.0;       ///< after it
+    double group_us = 0.0;
+    double deg_per_us = 0.0;
+    std::size_t time_block(std::size_t block) const { return block / blocks.returns(); }
+  };
+  Column begin_column(const PacketBytes& packet,
+                      std::size_t block,
+                      const VelodyneBlocks& blocks,
+                      std::int64_t host_ns);
+  void decode_column(const PacketBytes& packet, const Column& column);
+  void decode_block(const PacketBytes& packet, std::size_t block, const Column& column);
   struct Shot {
     double azimuth, elevation;  ///< rad; the azimuth clockwise from above
     std::int64_t time_ns;
     Eigen::Vector3f at(double range) const;
   };
-  Shot aim(const PacketBytes& packet, std::size_t block, std::size_t shot, std::size_t laser) const;
+  Shot aim(const PacketBytes& packet,
+           std::size_t block,
+           std::size_t shot,
+           std::size_t laser,
+           const Column& column) const;
 
   const VelodyneModel* model_ = nullptr;
   SweepBuilder sweep_{sweeps_};
@@ -64,10 +80,7 @@ class VelodyneDecoder final : public PacketDecoder {
     int azimuth_steps = 0;
   };
   std::optional<Before> before_;
-  // Of the block at hand:
-  std::int64_t packet_ns_ = 0;
-  std::size_t time_block_ = 0;
-  double column_us_ = 0.0;
+  std::int64_t packet_ns_ = 0;  ///< of the column at hand
 };
 
 void VelodyneDecoder::add(std::span<const std::byte> payload, std::int64_t received_ns) {
@@ -93,21 +106,21 @@ void VelodyneDecoder::add(std::span<const std::byte> payload, std::int64_t recei
   measure_rate(packet, blocks, packet_us);
   before_ = Before{packet_us, velodyne_azimuth_steps(packet, 0)};
   packet_ns_ = packet_us * ns_per_us;
-  for (std::size_t block = 0; block < blocks.count; ++block) {
-    time_block_ = block / blocks.returns();
-    if (block % blocks.per_column == 0) begin_column(packet, block, blocks, host_ns);
-    decode_block(packet, block, blocks);
+  KeptPacket kept(packet);
+  for (std::size_t block = 0; block < blocks.count; block += blocks.per_column) {
+    const Column column = begin_column(packet, block, blocks, host_ns);
+    sweep_.decode_column(
+        kept, [this, column](const PacketBytes& bytes) { decode_column(bytes, column); });
   }
   ++counts_.decoded;
 }
 
 // Where a sensor is set to a part of the turn, its packets hold columns of both ends of that part,
 // and only the first has the packet's time: the others come as much later as the turn takes.
-void VelodyneDecoder::begin_column(const PacketBytes& packet,
-                                   std::size_t block,
-                                   const VelodyneBlocks& blocks,
-                                   std::int64_t host_ns) {
-  column_us_ = velodyne_shot_us(model_->pace, time_block_, 0, group_us_);
+VelodyneDecoder::Column VelodyneDecoder::begin_column(const PacketBytes& packet,
+                                                      std::size_t block,
+                                                      const VelodyneBlocks& blocks,
+                                                      std::int64_t host_ns) {
   if (block > 0 && deg_per_us_ > 0.0) {
     const double step = turn_deg(velodyne_azimuth_steps(packet, block - blocks.per_column),
                                  velodyne_azimuth_steps(packet, block));
@@ -115,9 +128,13 @@ void VelodyneDecoder::begin_column(const PacketBytes& packet,
       packet_ns_ += std::llround(step / deg_per_us_ * ns_per_us);
     }
   }
+  Column column{blocks, block, packet_ns_, 0.0, group_us_, deg_per_us_};
+  column.begin_us = velodyne_shot_us(model_->pace, column.time_block(block), 0, group_us_);
   sweep_.begin_column(velodyne_azimuth_steps(packet, block) * deg_per_step,
-                      packet_ns_ + std::llround(column_us_ * ns_per_us),
-                      host_ns);
+                      packet_ns_ + std::llround(column.begin_us * ns_per_us),
+                      host_ns,
+                      blocks.per_column * velodyne_shots_per_block);
+  return column;
 }
 
 // Firmwares of the Alpha Prime differ in pace, which the time from packet to packet tells.
@@ -149,9 +166,16 @@ void VelodyneDecoder::measure_rate(const PacketBytes& packet,
   if (rate > slowest_deg_per_us && rate < fastest_deg_per_us) deg_per_us_ = rate;
 }
 
+void VelodyneDecoder::decode_column(const PacketBytes& packet, const Column& column) {
+  for (std::size_t i = 0; i < column.blocks.per_column; ++i) {
+    decode_block(packet, column.first_block + i, column);
+  }
+}
+
 void VelodyneDecoder::decode_block(const PacketBytes& packet,
                                    std::size_t block,
-                                   const VelodyneBlocks& blocks) {
+                                   const Column& column) {
+  const VelodyneBlocks& blocks = column.blocks;
   const std::size_t first_laser = blocks.bank(block) * velodyne_shots_per_block;
   for (std::size_t shot = 0; shot < velodyne_shots_per_block; ++shot) {
     const std::size_t at = velodyne_shot_at(block, shot);
@@ -162,7 +186,8 @@ void VelodyneDecoder::decode_block(const PacketBytes& packet,
                                                                   shot)) == distance;
     if (second && twice) continue;
     if (distance == 0 && blocks.dual && !twice) continue;
-    const Shot aimed = aim(packet, block, shot, (first_laser + shot) % model_->lasers.size());
+    const std::size_t laser = (first_laser + shot) % model_->lasers.size();
+    const Shot aimed = aim(packet, block, shot, laser, column);
     if (distance == 0) {
       sweep_.add_no_return(aimed.at(1.0), aimed.time_ns);
     } else {
@@ -176,13 +201,16 @@ void VelodyneDecoder::decode_block(const PacketBytes& packet,
 VelodyneDecoder::Shot VelodyneDecoder::aim(const PacketBytes& packet,
                                            std::size_t block,
                                            std::size_t shot,
-                                           std::size_t laser) const {
-  const double shot_us = velodyne_shot_us(model_->pace, time_block_, shot, group_us_);
-  const double azimuth = (velodyne_azimuth_steps(packet, block) * deg_per_step +
-                          deg_per_us_ * (shot_us - column_us_) - model_->lasers[laser].turned_deg) *
-                         rad_per_deg;
+                                           std::size_t laser,
+                                           const Column& column) const {
+  const double shot_us =
+      velodyne_shot_us(model_->pace, column.time_block(block), shot, column.group_us);
+  const double azimuth =
+      (velodyne_azimuth_steps(packet, block) * deg_per_step +
+       column.deg_per_us * (shot_us - column.begin_us) - model_->lasers[laser].turned_deg) *
+      rad_per_deg;
   const double elevation = model_->lasers[laser].elevation_deg * rad_per_deg;
-  return {azimuth, elevation, packet_ns_ + std::llround(shot_us * ns_per_us)};
+  return {azimuth, elevation, column.packet_ns + std::llround(shot_us * ns_per_us)};
 }
 
 Eigen::Vector3f VelodyneDecoder::Shot::at(double range) const {

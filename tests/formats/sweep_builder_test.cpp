@@ -20,7 +20,7 @@ class Sweeps : public testing::Test {
     at_ns(start_ns + std::llround(columns * column_ns), azimuth_deg);
   }
   void at_ns(std::int64_t time_ns, double azimuth_deg) {
-    builder_.begin_column(azimuth_deg, time_ns, start_ns);
+    builder_.begin_column(azimuth_deg, time_ns, start_ns, 1);
     builder_.add({1.0F, 2.0F, 3.0F}, 4.0F, time_ns);
   }
   void turning(int from, int to, double first_deg = 0.0) {
@@ -114,7 +114,7 @@ TEST_F(Sweeps, OfAClockThatWasNeverSetAreStampedByTheHost) {
 }
 
 TEST_F(Sweeps, AreStampedByTheirEarliestPoint) {
-  builder_.begin_column(0.0, start_ns, start_ns);
+  builder_.begin_column(0.0, start_ns, start_ns, 3);
   for (const std::int64_t ns : {5000, 2000, 9000}) {
     builder_.add({1.0F, 0.0F, 0.0F}, 0.0F, start_ns + ns);
   }
@@ -125,7 +125,9 @@ TEST_F(Sweeps, AreStampedByTheirEarliestPoint) {
 }
 
 TEST_F(Sweeps, WithoutPointsAreNone) {
-  for (int i = 0; i < 2500; ++i) builder_.begin_column(i % 360, start_ns + i * column_ns, start_ns);
+  for (int i = 0; i < 2500; ++i) {
+    builder_.begin_column(i % 360, start_ns + i * column_ns, start_ns, 1);
+  }
   EXPECT_EQ(sizes(), Sizes{});
 }
 

@@ -197,7 +197,7 @@ TEST(NoReturnsOfASweep, AreForgottenWhereAColumnHasNothingElse) {
   SweepBuilder builder(sweeps);
   const auto column = [&](std::int64_t number, bool returned) {
     const std::int64_t time_ns = host_ns + number * 100'000;
-    builder.begin_column(0.36 * static_cast<double>(number), time_ns, host_ns);
+    builder.begin_column(0.36 * static_cast<double>(number), time_ns, host_ns, 3);
     builder.add_no_return({1.0F, 0.0F, 0.0F}, time_ns);
     if (returned) builder.add({1.0F, 2.0F, 3.0F}, 4.0F, time_ns + 50'000);
     builder.add_no_return({0.0F, 1.0F, 0.0F}, time_ns + 70'000);
@@ -216,7 +216,7 @@ TEST(NoReturnsOfASweep, AreForgottenWhereAColumnHasNothingElse) {
   expect_shot(sweeps[0], 1, {0.0, 1.0, 0.0}, 20.0);
   expect_shot(sweeps[0], 2, {1.0, 0.0, 0.0}, 150.0);
   // Nothing of one sweep is left for the next.
-  builder.begin_column(0.0, host_ns + 5'000'000'000, host_ns);
+  builder.begin_column(0.0, host_ns + 5'000'000'000, host_ns, 1);
   builder.add({1.0F, 2.0F, 3.0F}, 4.0F, host_ns + 5'000'000'000);
   builder.finish();
   ASSERT_EQ(sweeps.size(), 2U);
