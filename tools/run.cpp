@@ -83,9 +83,15 @@ LoopCorrection close_loops(const std::vector<ScanPlace>& places,
   });
   line.show("fitting surfaces to each other");
   LoopEvidence evidence = loops.evidence();
-  evidence.surfaces = stretches.link(correct_loops(places, evidence).map_from_lidar, pool);
-  line.show("correcting the trajectory");
-  return correct_loops(places, evidence);
+  LoopCorrection correction;
+  stretches.link(
+      [&](std::span<const SurfaceLink> links) {
+        evidence.surfaces.assign(links.begin(), links.end());
+        correction = correct_loops(places, evidence);
+        return correction.map_from_lidar;
+      },
+      pool);
+  return correction;
 }
 
 /// Returns how long the log took to record [s]; 0 without stamps.

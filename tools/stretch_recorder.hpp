@@ -20,13 +20,10 @@ class StretchRecorder {
   void add(const Scan& scan, const MappedScan& mapped) { keep(builder_.add(scan, mapped)); }
   void finish() { keep(builder_.finish()); }
 
-  std::vector<SurfaceLink> link(std::span<const Rigid3> map_from_lidar, ThreadPool& pool) const {
-    return link_surfaces(
-        places_,
-        [this](std::size_t i) { return spool_.read(i); },
-        scan_links_,
-        map_from_lidar,
-        pool);
+  /// See link_surfaces().
+  void link(const TrajectoryByLinks& trajectory, ThreadPool& pool) const {
+    link_surfaces(
+        places_, [this](std::size_t i) { return spool_.read(i); }, scan_links_, trajectory, pool);
   }
 
  private:

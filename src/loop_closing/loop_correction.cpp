@@ -19,6 +19,24 @@ PoseGraphEdge edge_of(const Closure& closure) {
           closure.trusted ? EdgeKind::odometry : EdgeKind::closure};
 }
 
+/// Without those between local maps whose closure was removed by hand: they are not one place.
+std::vector<SurfaceLink> believable(std::span<const SurfaceLink> links,
+                                    std::span<const ScanPlace> scans,
+                                    std::span<const Closure> closures) {
+  const auto is_removed = [&](const SurfaceLink& link) {
+    if (std::max(link.reference_scan, link.query_scan) >= scans.size()) return false;
+    const std::uint32_t reference = scans[link.reference_scan].local_map_id;
+    const std::uint32_t query = scans[link.query_scan].local_map_id;
+    return std::ranges::any_of(closures, [&](const Closure& closure) {
+      return closure.verdict == ClosureVerdict::removed_by_hand && closure.query_id == query &&
+             closure.reference_id == reference;
+    });
+  };
+  std::vector<SurfaceLink> left;
+  std::ranges::remove_copy_if(links, std::back_inserter(left), is_removed);
+  return left;
+}
+
 }  // namespace
 
 PoseGraph keypose_graph(std::span<const Rigid3> map_from_local_map,
@@ -70,8 +88,12 @@ LoopCorrection correct_loops(std::span<const ScanPlace> scans, const LoopEvidenc
       corrected.closures, std::back_inserter(accepted), [](const Closure& closure) {
         return closure.verdict == ClosureVerdict::accepted;
       });
-  RefinedTrajectory refined = refine_trajectory(
-      scans, corrected.graph.map_from_node, accepted, evidence.neighbors, evidence.surfaces);
+  RefinedTrajectory refined =
+      refine_trajectory(scans,
+                        corrected.graph.map_from_node,
+                        accepted,
+                        evidence.neighbors,
+                        believable(evidence.surfaces, scans, corrected.closures));
   corrected.map_from_lidar = std::move(refined.map_from_lidar);
   corrected.map_from_local_map = std::move(refined.map_from_local_map);
   return corrected;

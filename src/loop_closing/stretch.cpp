@@ -28,6 +28,12 @@ double mean_range_of(const Scan& scan) {
   return sum / static_cast<double>(scan.points.size());
 }
 
+Eigen::Vector3d center_of(const SurfelCloud& surfels) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3f& mean : surfels.means) sum += mean.cast<double>();
+  return sum / static_cast<double>(std::max<std::size_t>(1, surfels.size()));
+}
+
 }  // namespace
 
 class StretchBuilder::Impl {
@@ -83,6 +89,7 @@ class StretchBuilder::Impl {
     grid_.reset();
     stretch.scan_links = track_.take_links();
     track_.end_stretch(place_.middle_scan, place_.voxel_size, stretch.surfels);
+    stretch.place.center = center_of(stretch.surfels);
     return stretch;
   }
 

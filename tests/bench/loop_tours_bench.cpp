@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Loops found on simulated tours, against exact truth: a line for each seed.
 //   loop_tours_bench WORLD SENSOR MOTION COLUMNS FIRST_SEED LAST_SEED
-// COLUMNS 0: the sensor's own. All closures count as false that are 2 m or 10 degrees off.
+// COLUMNS 0: the sensor's own. All closures count as false that are 2 m or 10 degrees off. What
+// odometry turned by wrongly is that from one scan to the next, at most.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -36,7 +37,7 @@ void measure(const simulator::Scenario& scenario) {
   const std::vector<std::uint32_t> revisits = tour.revisits();
   std::printf(
       "%s %s %s seed %d: %zu scans, %zu maps, revisited %zu, found %zu, closures %zu, false %d "
-      "(farthest %.2f m, %.1f deg), ATE %.3f -> %.3f m\n",
+      "(farthest %.2f m, %.1f deg), odometry turned by %.1f deg, ATE %.3f -> %.3f m\n",
       scenario.world.c_str(),
       scenario.sensor.c_str(),
       scenario.motion.c_str(),
@@ -49,6 +50,7 @@ void measure(const simulator::Scenario& scenario) {
       wrong,
       farthest,
       most_turned,
+      degrees_per_radian * tour.odometry_most_turned(),
       tour.odometry_ate(),
       tour.ate(tour.correction()));
   std::fflush(stdout);

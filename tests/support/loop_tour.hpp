@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,13 @@ class LoopTour {
     const Rigid3 true_pose = simulator.map_from_lidar(mapped.pose_stamp_ns);
     if (places_.empty()) true_keyposes_.push_back(true_pose);
     if (step.closed) true_keyposes_.push_back(true_pose);
+    if (!places_.empty()) {
+      const Rigid3 off = (last_true_pose_.inverse() * true_pose).inverse() *
+                         (last_pose_.inverse() * mapped.map_from_lidar);
+      odometry_most_turned_ = std::max(odometry_most_turned_, off.angle());
+    }
+    last_pose_ = mapped.map_from_lidar;
+    last_true_pose_ = true_pose;
     places_.push_back({mapped.local_map_id, mapped.local_map_from_lidar});
     stamps_.push_back(mapped.pose_stamp_ns);
     odometry_[mapped.pose_stamp_ns] = mapped.map_from_lidar.translation;
@@ -44,13 +52,16 @@ class LoopTour {
       stretches.push_back(stretch.place);
       scan_links.insert(scan_links.end(), stretch.scan_links.begin(), stretch.scan_links.end());
     }
-    evidence_.surfaces = link_surfaces(
+    link_surfaces(
         stretches,
         [this](std::size_t i) { return stretches_[i].surfels; },
         scan_links,
-        correct_loops(places_, evidence_).map_from_lidar,
+        [this](std::span<const SurfaceLink> links) {
+          evidence_.surfaces.assign(links.begin(), links.end());
+          correction_ = correct_loops(places_, evidence_);
+          return correction_.map_from_lidar;
+        },
         pool_);
-    correction_ = correct_loops(places_, evidence_);
   }
 
   const std::vector<LocalMap>& local_maps() const { return local_maps_; }
@@ -58,6 +69,8 @@ class LoopTour {
   const LoopCorrection& correction() const { return correction_; }
   const LoopEvidence& evidence() const { return evidence_; }
   double odometry_ate() const { return trajectory_error(odometry_, truth_).ate; }
+  /// What odometry turned by from one scan to the next, against the truth, at most [rad].
+  double odometry_most_turned() const { return odometry_most_turned_; }
 
   double ate(const LoopCorrection& correction) const {
     Positions corrected;
@@ -141,6 +154,9 @@ class LoopTour {
                     }};
   std::vector<Rigid3> true_keyposes_;
   std::vector<ScanPlace> places_;
+  Rigid3 last_pose_;
+  Rigid3 last_true_pose_;
+  double odometry_most_turned_ = 0.0;
   std::vector<std::int64_t> stamps_;
   Positions odometry_;
   Positions truth_;

@@ -48,8 +48,8 @@ void set_verdicts(std::span<const double> edge_weights, std::vector<Closure>& cl
 
 /// From what was measured to the corrected trajectory, starting at the odometry: the keypose graph
 /// says which closures to believe, then refine_trajectory() moves all scans, by surfaces if they
-/// were linked. The history of a run
-/// does not matter, so that the same evidence gives the same result when it is read back.
+/// were linked; not by those between two local maps whose closure was removed by hand. The history
+/// of a run does not matter, so that the same evidence gives the same result when it is read back.
 /// `scans` as for spread_corrections(). One thread, the same result on every run. Thread safe.
 /// Throws Error(input) for ids out of range.
 LoopCorrection correct_loops(std::span<const ScanPlace> scans, const LoopEvidence& evidence);

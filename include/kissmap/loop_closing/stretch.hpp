@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,6 +20,7 @@ struct StretchPlace {
   std::uint32_t middle_scan = 0;  ///< in whose lidar frame its surfels are
   double voxel_size = 0.0;        ///< m, of its surfels
   double mean_range = 0.0;        ///< m, of the first scan: how far one sees here
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< m, mean of its surfels, in their frame
 };
 
 struct Stretch {

@@ -155,6 +155,23 @@ TEST_F(LoopEditorTest, JoiningTwoLocalMapsClosesTheLoop) {
   EXPECT_LT(error_of(correction, lap()), 0.5 * error_of(editor().correction(), lap()));
 }
 
+TEST_F(LoopEditorTest, SurfacesDoNotHoldTogetherWhatWasTakenApart) {
+  const LoopCorrection open = correct_loops(lap().scans, lap().evidence);
+  LoopEvidence evidence = lap().evidence;
+  const std::uint32_t first = 1;
+  const std::uint32_t last = (maps - 1) * scans_per_map + 1;
+  const Rigid3 wrong = open.map_from_lidar[first].inverse() * open.map_from_lidar[last] *
+                       planar_motion(0.8, 0.0, 0.0);
+  evidence.surfaces.push_back({first, last, wrong, 1e4 * Information::Identity()});
+  evidence.closures.push_back(
+      candidate(maps - 1, 0, true_motion(0, maps - 1), ClosureVerdict::accepted));
+  LoopEditor loops = editor(evidence);
+  EXPECT_FALSE(same_poses(loops.correction(), open));
+  loops.remove(0, maps - 1);
+  EXPECT_TRUE(same_poses(loops.correction(), open));
+  EXPECT_EQ(loops.correction().surfaces.size(), 1U) << "they stay in the session";
+}
+
 TEST_F(LoopEditorTest, AGuessServesWhereDriftIsTooFar) {
   LoopEvidence far = lap().evidence;
   std::vector<ScanPlace> scans = lap().scans;

@@ -41,7 +41,7 @@ struct Drive {
         places(),
         [this](std::size_t i) { return stretches[i].surfels; },
         scan_links(),
-        map_from_lidar,
+        [&map_from_lidar](std::span<const SurfaceLink>) { return map_from_lidar; },
         pool);
   }
 };
@@ -78,13 +78,13 @@ Drive drive(std::size_t scans, double waver = 0.0) {
 }
 
 /// The drive as an odometry with drift would have it: a graph at its optimum.
-PoseGraph drifted(const std::vector<Rigid3>& truth) {
+PoseGraph drifted(const std::vector<Rigid3>& truth, double times = 1.0) {
   PoseGraph graph;
   graph.map_from_node.push_back(truth.front());
   Twist error = Twist::Zero();
   error << 2e-4, -3e-4, 4e-4, 1e-4, -1e-4, 2e-4;
   for (std::uint32_t i = 1; i < truth.size(); ++i) {
-    const Rigid3 motion = truth[i - 1].inverse() * truth[i] * exp(error);
+    const Rigid3 motion = truth[i - 1].inverse() * truth[i] * exp(times * error);
     graph.map_from_node.push_back(graph.map_from_node.back() * motion);
     graph.edges.push_back(
         {i - 1, i, motion, odometry_information(motion.translation.norm()), EdgeKind::odometry});
@@ -149,6 +149,59 @@ TEST_F(SurfaceLinks, TakeAwayMostOfTheDrift) {
   const std::vector<SurfaceLink> links = the_drive().links(graph.map_from_node, 2);
   const double after = largest_error(fit_surfaces(graph, links), the_drive().truth);
   EXPECT_LT(after, before / 3.0);
+}
+
+TEST_F(SurfaceLinks, AreLookedForAgainWhereTheyMovedTheWay) {
+  const PoseGraph graph = drifted(the_drive().truth, 4.0);
+  std::vector<std::vector<SurfaceLink>> asked;
+  ThreadPool pool(2);
+  const std::vector<SurfaceLink> links = link_surfaces(
+      the_drive().places(),
+      [](std::size_t i) { return the_drive().stretches[i].surfels; },
+      the_drive().scan_links(),
+      [&](std::span<const SurfaceLink> found) {
+        asked.emplace_back(found.begin(), found.end());
+        return found.empty() ? graph.map_from_node : fit_surfaces(graph, found);
+      },
+      pool);
+  ASSERT_GE(asked.size(), 3U);
+  EXPECT_TRUE(asked[0].empty());
+  EXPECT_GT(links.size(), asked[1].size()) << "what drift had kept apart";
+  ASSERT_EQ(links.size(), asked.back().size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    EXPECT_EQ(links[i].query_scan, asked.back()[i].query_scan);
+    EXPECT_EQ(links[i].reference_from_query.translation,
+              asked.back()[i].reference_from_query.translation);
+  }
+  EXPECT_LT(largest_error(fit_surfaces(graph, links), the_drive().truth),
+            0.1 * largest_error(graph.map_from_node, the_drive().truth));
+}
+
+TEST_F(SurfaceLinks, AreLookedForOnceWhereTheWayStaysAsItWas) {
+  std::size_t asked = 0;
+  ThreadPool pool(2);
+  link_surfaces(
+      the_drive().places(),
+      [](std::size_t i) { return the_drive().stretches[i].surfels; },
+      the_drive().scan_links(),
+      [&](std::span<const SurfaceLink>) {
+        ++asked;
+        return the_drive().truth;
+      },
+      pool);
+  EXPECT_EQ(asked, 2U);
+}
+
+TEST_F(SurfaceLinks, OfScansAloneAreKeptWhereThereIsOneStretch) {
+  ThreadPool pool(1);
+  const std::vector<SurfaceLink> scan_links = the_drive().scan_links();
+  const std::vector<SurfaceLink> links = link_surfaces(
+      std::vector<StretchPlace>{the_drive().places().front()},
+      [](std::size_t i) { return the_drive().stretches[i].surfels; },
+      std::span(scan_links).first(3),
+      [](std::span<const SurfaceLink>) { return the_drive().truth; },
+      pool);
+  EXPECT_EQ(links.size(), 3U);
 }
 
 /// Root mean square of the angles between consecutive scans that are not those of the truth [rad].
