@@ -168,7 +168,8 @@ void Hdl64eDecoder::decode(const PacketBytes& packet, std::int64_t host_ns) {
   measure_rate(packet, per_column);
   KeptPacket kept(packet);
   for (std::size_t block = 0; block < blocks; block += per_column) {
-    const double column_us = static_cast<double>(block / per_column) * pace_->column_us;
+    const std::size_t in_packet = block / per_column;
+    const double column_us = static_cast<double>(in_packet) * pace_->column_us;
     const std::int64_t column_ns = packet_ns + std::llround(column_us * ns_per_us);
     sweep_.begin_column(velodyne_azimuth_steps(packet, block) * deg_per_step,
                         column_ns,
