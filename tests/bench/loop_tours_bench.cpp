@@ -2,7 +2,7 @@
 // Loops found on simulated tours, against exact truth: a line for each seed.
 //   loop_tours_bench WORLD SENSOR MOTION COLUMNS FIRST_SEED LAST_SEED
 // COLUMNS 0: the sensor's own. All closures count as false that are 2 m or 10 degrees off. What
-// odometry turned by wrongly is that from one scan to the next, at most.
+// odometry turned by wrongly is that within two seconds, at most.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

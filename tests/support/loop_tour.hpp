@@ -26,13 +26,8 @@ class LoopTour {
     const Rigid3 true_pose = simulator.map_from_lidar(mapped.pose_stamp_ns);
     if (places_.empty()) true_keyposes_.push_back(true_pose);
     if (step.closed) true_keyposes_.push_back(true_pose);
-    if (!places_.empty()) {
-      const Rigid3 off = (last_true_pose_.inverse() * true_pose).inverse() *
-                         (last_pose_.inverse() * mapped.map_from_lidar);
-      odometry_most_turned_ = std::max(odometry_most_turned_, off.angle());
-    }
-    last_pose_ = mapped.map_from_lidar;
-    last_true_pose_ = true_pose;
+    odometry_poses_.push_back(mapped.map_from_lidar);
+    true_poses_.push_back(true_pose);
     places_.push_back({mapped.local_map_id, mapped.local_map_from_lidar});
     stamps_.push_back(mapped.pose_stamp_ns);
     odometry_[mapped.pose_stamp_ns] = mapped.map_from_lidar.translation;
@@ -69,8 +64,18 @@ class LoopTour {
   const LoopCorrection& correction() const { return correction_; }
   const LoopEvidence& evidence() const { return evidence_; }
   double odometry_ate() const { return trajectory_error(odometry_, truth_).ate; }
-  /// What odometry turned by from one scan to the next, against the truth, at most [rad].
-  double odometry_most_turned() const { return odometry_most_turned_; }
+  /// What odometry turned by within two seconds, against the truth, at most [rad].
+  double odometry_most_turned() const {
+    constexpr std::size_t two_seconds = 20;
+    double most = 0.0;
+    for (std::size_t i = two_seconds; i < true_poses_.size(); ++i) {
+      const std::size_t before = i - two_seconds;
+      const Rigid3 off = (true_poses_[before].inverse() * true_poses_[i]).inverse() *
+                         (odometry_poses_[before].inverse() * odometry_poses_[i]);
+      most = std::max(most, off.angle());
+    }
+    return most;
+  }
 
   double ate(const LoopCorrection& correction) const {
     Positions corrected;
@@ -154,9 +159,8 @@ class LoopTour {
                     }};
   std::vector<Rigid3> true_keyposes_;
   std::vector<ScanPlace> places_;
-  Rigid3 last_pose_;
-  Rigid3 last_true_pose_;
-  double odometry_most_turned_ = 0.0;
+  std::vector<Rigid3> odometry_poses_;
+  std::vector<Rigid3> true_poses_;
   std::vector<std::int64_t> stamps_;
   Positions odometry_;
   Positions truth_;
