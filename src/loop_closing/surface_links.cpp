@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t most_others = 6;
 constexpr std::size_t least_apart = 2;  // stretches between two that a third is linked to
 constexpr std::size_t samples = 900;    // surfels of the query
-constexpr double least_pairs = 0.25;    // share of the samples
+constexpr double least_pairs = 0.2;     // share of the samples
 // Of a link between visits, beyond which it is of another map than this.
 constexpr double farthest_off = 1.5;  // m
 constexpr double most_turned = 0.1;   // rad

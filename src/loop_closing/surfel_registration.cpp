@@ -18,7 +18,7 @@ constexpr int max_iterations_coarse = 20;
 constexpr int max_iterations_fine = 40;
 constexpr double min_translation = 1e-3;  // m, convergence
 constexpr double min_rotation = 1e-4;     // rad
-constexpr float min_normal_agreement = 0.7F;
+constexpr double min_normal_agreement = 0.7;
 constexpr double coarseness = 3.0;      // coarse voxel over fine voxel
 constexpr double residual_scale = 0.3;  // of a voxel, of the kernel
 constexpr double damping = 1e-3;
@@ -61,7 +61,8 @@ Sums accumulate(const SurfelCloud& samples,
                 const SurfelMap& reference,
                 NearestSurfels& surfels,
                 const Rigid3& reference_from_query,
-                double reach) {
+                double reach,
+                bool same_side = false) {
   const Eigen::Matrix3d rotation = reference_from_query.rotation.toRotationMatrix();
   const double scale = residual_scale * reference.voxel_size();
   Sums sums;
@@ -76,7 +77,8 @@ Sums accumulate(const SurfelCloud& samples,
     const Eigen::Vector3d normal = reference.surfels().normals[match].cast<double>();
     if (!samples.normals.empty()) {
       const Eigen::Vector3d own_normal = rotation * samples.normals[i].cast<double>();
-      if (std::abs(normal.dot(own_normal)) < static_cast<double>(min_normal_agreement)) continue;
+      const double agreement = normal.dot(own_normal);
+      if ((same_side ? agreement : std::abs(agreement)) < min_normal_agreement) continue;
     }
     const double residual = normal.dot(apart);
     const double weight =
@@ -99,18 +101,19 @@ double rms(const Sums& sums) {
   return sums.pairs > 0 ? std::sqrt(sums.squares / sums.pairs) : 0.0;
 }
 
-/// Iterates `alignment` at one resolution.
+/// Iterates `alignment` at one resolution, on all surfels or only those seen from the same side.
 void refine(const SurfelCloud& samples,
             const SurfelMap& reference,
             double reach,
             int max_iterations,
             SurfelAlignment& alignment,
-            const Prior* prior = nullptr) {
+            const Prior* prior = nullptr,
+            bool same_side = false) {
   alignment.converged = false;
   NearestSurfels nearest(reference, samples.size());
   for (int i = 0; i < max_iterations; ++i) {
     const Sums sums =
-        accumulate(samples, reference, nearest, alignment.reference_from_query, reach);
+        accumulate(samples, reference, nearest, alignment.reference_from_query, reach, same_side);
     alignment.pairs = sums.pairs;
     alignment.residual_after = rms(sums);
     alignment.hessian = sums.hessian;
@@ -320,7 +323,7 @@ SurfelAlignment register_nearby(const SurfelCloud& query,
   const SurfelCloud picked = sample(query, samples);
   alignment.samples = static_cast<int>(picked.size());
   const double reach = std::numbers::sqrt3 * reference.voxel_size();
-  refine(picked, reference, reach, max_iterations_fine, alignment);
+  refine(picked, reference, reach, max_iterations_fine, alignment, nullptr, true);
   return alignment;
 }
 

@@ -116,7 +116,8 @@ SurfelAlignment register_surfels(const SurfelCloud& query,
                                  const Rigid3& guess_reference_from_query);
 
 /// The same from a guess that is good to a voxel or two: at the reference's resolution alone, with
-/// at most `samples` surfels of the query.
+/// at most `samples` surfels of the query. Pairs have to be seen from the same side: the floor of a
+/// storey and the ceiling below it are not one surface.
 SurfelAlignment register_nearby(const SurfelCloud& query,
                                 const SurfelMap& reference,
                                 const Rigid3& guess_reference_from_query,

@@ -139,6 +139,18 @@ TEST(NearestSurfels, AreThoseOfASearchWhereverTheSamplesMove) {
   EXPECT_GT(changed, 1000);
 }
 
+TEST(RegisterNearby, DoesNotTakeTheCeilingBelowForTheFloor) {
+  const SurfelCloud floor = corridor(true);
+  SurfelCloud below = floor;
+  for (Eigen::Vector3f& normal : below.normals) normal = -normal;
+  const SurfelMap reference(floor, voxel);
+  const Rigid3 guess{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.05, 0.05, 0.1)};
+  EXPECT_TRUE(register_nearby(floor, reference, guess, 900).converged);
+  const SurfelAlignment found = register_nearby(below, reference, guess, 900);
+  EXPECT_FALSE(found.converged);
+  EXPECT_EQ(found.pairs, 0);
+}
+
 TEST(RegisterPoints, FindsAnyMotionInARoom) {
   std::mt19937 random(1);
   const std::vector<Eigen::Vector3f> room = room_cloud(random, 6000);
