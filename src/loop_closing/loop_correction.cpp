@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "kissmap/error.hpp"
 #include "kissmap/loop_closing/trajectory_refinement.hpp"
@@ -23,14 +25,15 @@ PoseGraphEdge edge_of(const Closure& closure) {
 std::vector<SurfaceLink> believable(std::span<const SurfaceLink> links,
                                     std::span<const ScanPlace> scans,
                                     std::span<const Closure> closures) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> removed;
+  for (const Closure& closure : closures) {
+    if (closure.verdict != ClosureVerdict::removed_by_hand) continue;
+    removed.emplace(closure.reference_id, closure.query_id);
+  }
   const auto is_removed = [&](const SurfaceLink& link) {
     if (std::max(link.reference_scan, link.query_scan) >= scans.size()) return false;
-    const std::uint32_t reference = scans[link.reference_scan].local_map_id;
-    const std::uint32_t query = scans[link.query_scan].local_map_id;
-    return std::ranges::any_of(closures, [&](const Closure& closure) {
-      return closure.verdict == ClosureVerdict::removed_by_hand && closure.query_id == query &&
-             closure.reference_id == reference;
-    });
+    return removed.contains(
+        {scans[link.reference_scan].local_map_id, scans[link.query_scan].local_map_id});
   };
   std::vector<SurfaceLink> left;
   std::ranges::remove_copy_if(links, std::back_inserter(left), is_removed);
