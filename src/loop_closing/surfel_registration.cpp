@@ -10,6 +10,8 @@
 #include <numbers>
 #include <unordered_set>
 
+#include "nearest_bound.hpp"
+
 namespace kissmap {
 namespace {
 
@@ -27,9 +29,9 @@ constexpr int min_pairs = 20;
 constexpr double independent_pairs = 100.0;
 constexpr double pair_sigma = 0.03;            // m
 constexpr double least_share_of_faces = 0.05;  // of the planes, that a direction needs
-// Of distances in float, at most.
-constexpr float rounding_share = 1.0001F;
-constexpr float rounding = 1e-5F;  // m
+
+/// From which side pairs of surfels have to be seen.
+enum class Sides : std::uint8_t { any, same };
 
 /// A guess that is weighed beside the pairs.
 struct Prior {
@@ -62,7 +64,7 @@ Sums accumulate(const SurfelCloud& samples,
                 NearestSurfels& surfels,
                 const Rigid3& reference_from_query,
                 double reach,
-                bool same_side = false) {
+                Sides sides = Sides::any) {
   const Eigen::Matrix3d rotation = reference_from_query.rotation.toRotationMatrix();
   const double scale = residual_scale * reference.voxel_size();
   Sums sums;
@@ -78,7 +80,7 @@ Sums accumulate(const SurfelCloud& samples,
     if (!samples.normals.empty()) {
       const Eigen::Vector3d own_normal = rotation * samples.normals[i].cast<double>();
       const double agreement = normal.dot(own_normal);
-      if ((same_side ? agreement : std::abs(agreement)) < min_normal_agreement) continue;
+      if ((sides == Sides::same ? agreement : std::abs(agreement)) < min_normal_agreement) continue;
     }
     const double residual = normal.dot(apart);
     const double weight =
@@ -108,12 +110,12 @@ void refine(const SurfelCloud& samples,
             int max_iterations,
             SurfelAlignment& alignment,
             const Prior* prior = nullptr,
-            bool same_side = false) {
+            Sides sides = Sides::any) {
   alignment.converged = false;
   NearestSurfels nearest(reference, samples.size());
   for (int i = 0; i < max_iterations; ++i) {
     const Sums sums =
-        accumulate(samples, reference, nearest, alignment.reference_from_query, reach, same_side);
+        accumulate(samples, reference, nearest, alignment.reference_from_query, reach, sides);
     alignment.pairs = sums.pairs;
     alignment.residual_after = rms(sums);
     alignment.hessian = sums.hessian;
@@ -279,8 +281,7 @@ bool NearestSurfels::still_nearest(const Found& found, const Eigen::Vector3f& po
   if (found.nearest.surfel < 0) return true;
   const auto surfel = static_cast<std::size_t>(found.nearest.surfel);
   const float distance = (reference_.surfels().means[surfel] - point).norm();
-  const float moved = (point - found.point).norm();
-  return distance < found.nearest.next_distance - moved * rounding_share - rounding;
+  return distance < others_beyond(found.nearest.next_distance, (point - found.point).norm());
 }
 
 bool SurfelMap::occupied(const Eigen::Vector3f& point) const {
@@ -323,7 +324,7 @@ SurfelAlignment register_nearby(const SurfelCloud& query,
   const SurfelCloud picked = sample(query, samples);
   alignment.samples = static_cast<int>(picked.size());
   const double reach = std::numbers::sqrt3 * reference.voxel_size();
-  refine(picked, reference, reach, max_iterations_fine, alignment, nullptr, true);
+  refine(picked, reference, reach, max_iterations_fine, alignment, nullptr, Sides::same);
   return alignment;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nearest_bound.hpp"
+
 namespace kissmap {
 namespace {
 
@@ -21,8 +23,7 @@ bool still_nearest(const VoxelHashMap::Neighbor& neighbor,
                    const Eigen::Vector3f& searched_from,
                    const Eigen::Vector3f& query,
                    float max_distance) {
-  const float moved = (query - searched_from).norm();
-  const float others = neighbor.next_distance - moved * 1.0001F - 1e-5F;
+  const float others = others_beyond(neighbor.next_distance, (query - searched_from).norm());
   if (!neighbor.found) return others >= max_distance;
   return (query - neighbor.point).norm() < others;
 }
