@@ -11,7 +11,6 @@
 namespace kissmap {
 namespace {
 
-constexpr double slow_growth = 1.4;  // of mu, as in the paper
 constexpr double fast_growth = 5.0;  // while mu is so small that weights fall as 1 / error anyway
 constexpr double small_mu = 0.05;
 constexpr int first_iterations = 3;  // of the attempt to believe all
@@ -94,7 +93,7 @@ class Optimization {
     if (std::isinf(mu)) return;
     while (!weigh(mu)) {
       solve(inner_iterations, options_.min_cost_change);
-      mu *= mu < small_mu ? fast_growth : slow_growth;
+      mu *= mu < small_mu ? fast_growth : options_.growth;
     }
     decide();
   }
@@ -134,6 +133,7 @@ void require_valid(const PoseGraphOptions& options) {
   require_between("max_iterations", options.max_iterations, 1, 1e6);
   require_between("min_cost_change", options.min_cost_change, 0.0, 1.0);
   require_between("inlier_probability", options.inlier_probability, 0.5, 1.0 - 1e-12);
+  require_between("growth", options.growth, 1.01, 1e3);
 }
 
 PoseGraphSolution optimize(const PoseGraph& graph, const PoseGraphOptions& options) {

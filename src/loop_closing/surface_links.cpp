@@ -22,6 +22,9 @@ constexpr double least_pairs = 0.2;     // share of the samples
 constexpr double farthest_off = 1.5;  // m
 constexpr double most_turned = 0.1;   // rad
 constexpr int most_passes = 4;        // of agreement, and of graphs
+// Of thousands of links few are false, and by little: larger steps find the same ones.
+constexpr double growth = 2.0;
+constexpr double least_change = 1e-6;  // of a graph's cost
 constexpr int most_rounds = 5;
 constexpr double least_news = 0.005;  // share of the pairs, for another round
 // A pair of stretches off by this lies elsewhere.
@@ -213,6 +216,9 @@ std::vector<Rigid3> fit_surfaces(PoseGraph graph, std::span<const SurfaceLink> l
     throw input_error("surface links",
                       "name scan " + std::to_string(link.query_scan) + ", which is not there");
   }
+  PoseGraphOptions options;
+  options.min_cost_change = least_change;
+  options.growth = growth;
   const std::size_t own_edges = graph.edges.size();
   std::vector<bool> agreed;
   for (int pass = 0; pass < most_passes; ++pass) {
@@ -228,7 +234,7 @@ std::vector<Rigid3> fit_surfaces(PoseGraph graph, std::span<const SurfaceLink> l
                              links[i].information,
                              EdgeKind::closure});
     }
-    graph.map_from_node = optimize(graph, {}).map_from_node;
+    graph.map_from_node = optimize(graph, options).map_from_node;
     agreed = std::move(agree);
   }
   return graph.map_from_node;

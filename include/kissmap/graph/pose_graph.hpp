@@ -43,6 +43,9 @@ struct PoseGraphOptions {
   /// A closure is believed while its whitened error is one that a fraction of this size of true
   /// closures would stay below (chi-square distribution).
   double inlier_probability = 0.999;
+  /// By how much each step comes nearer to refusing outright what contradicts the rest (mu of the
+  /// paper). Small factors find more false closures, large ones are faster.
+  double growth = 1.4;
 };
 
 /// Throws Error(usage) naming the option.

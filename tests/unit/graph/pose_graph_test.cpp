@@ -142,7 +142,9 @@ TEST(PoseGraph, SurvivesFalseClosures) {
     PoseGraphOptions trusting = plain();
     trusting.max_iterations = 10;
     const double fooled = position_error(optimize(loop.graph, trusting).map_from_node, loop.truth);
-    const PoseGraphSolution solution = optimize(loop.graph, {});
+    PoseGraphOptions options;
+    if (seed % 2 == 1) options.growth = 2.0;
+    const PoseGraphSolution solution = optimize(loop.graph, options);
     int kept = 0;
     int closures = 0;
     for (std::size_t i = 0; i < loop.graph.edges.size(); ++i) {
@@ -219,6 +221,9 @@ TEST(PoseGraph, NonsenseIsRefusedWithItsPlace) {
   EXPECT_EQ(refusal_of(graph), "accepted");
   PoseGraphOptions options;
   options.max_iterations = 0;
+  EXPECT_THROW(optimize(good, options), Error);
+  options = {};
+  options.growth = 1.0;  // would never end
   EXPECT_THROW(optimize(good, options), Error);
 }
 
