@@ -5,6 +5,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "thinning.hpp"
+
 namespace kissmap {
 namespace {
 
@@ -44,14 +46,13 @@ FloorSampler::FloorSampler(double cell_size, double reach) : cell_size_(cell_siz
 void FloorSampler::add(const PlacedScan& scan, const Rigid3& level_from_map) {
   const Rigid3 level_from_lidar = level_from_map * scan.map_from_lidar;
   const auto reach_squared = static_cast<float>(reach_ * reach_);
-  const std::size_t stride = scan.points.size() / enough_points + 1;
-  for (std::size_t i = 0; i < scan.points.size(); i += stride) {
+  Thinning(scan.points.size(), enough_points).for_each([&](std::size_t i) {
     const float squared = (scan.points[i] - scan.origins[i]).squaredNorm();
-    if (!(squared < reach_squared)) continue;
+    if (!(squared < reach_squared)) return;
     const Eigen::Vector3d point = level_from_lidar * scan.points[i].cast<double>();
     const Eigen::Vector3d origin = level_from_lidar * scan.origins[i].cast<double>();
     const double below = origin.z() - point.z();
-    if (!(below > -highest_above)) continue;
+    if (!(below > -highest_above)) return;
     const Voxel place{static_cast<std::int32_t>(std::floor(point.x() / cell_size_)),
                       static_cast<std::int32_t>(std::floor(point.y() / cell_size_)),
                       static_cast<std::int32_t>(std::floor(point.z() / slice_height))};
@@ -60,11 +61,11 @@ void FloorSampler::add(const PlacedScan& scan, const Rigid3& level_from_map) {
     Slice& slice = slices_[voxel_key(place)];
     if (!(below > least_below)) {
       slice.from_below += weight;
-      continue;
+      return;
     }
     slice.weight += weight;
     slice.height_sum += weight * static_cast<float>(point.z() - slice_height * place.z);
-  }
+  });
 }
 
 bool FloorSampler::something_above(const Voxel& place) const {

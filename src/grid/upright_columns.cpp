@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "thinning.hpp"
+
 namespace kissmap {
 namespace {
 
@@ -22,13 +24,12 @@ Voxel place_of(const Eigen::Vector3d& point) {
 
 void UprightColumns::add(const PlacedScan& scan, const Rigid3& level_from_map) {
   const Rigid3 level_from_lidar = level_from_map * scan.map_from_lidar;
-  const std::size_t stride = scan.points.size() / enough_points + 1;
   VoxelKey last = no_voxel;
-  for (std::size_t i = 0; i < scan.points.size(); i += stride) {
+  Thinning(scan.points.size(), enough_points).for_each([&](std::size_t i) {
     const VoxelKey key = voxel_key(place_of(level_from_lidar * scan.points[i].cast<double>()));
     if (key != last) seen_.insert(key);
     last = key;
-  }
+  });
 }
 
 bool UprightColumns::holds(const Eigen::Vector3d& hit) const {

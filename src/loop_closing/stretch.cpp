@@ -6,6 +6,7 @@
 #include "kissmap/mapping/surfels.hpp"
 #include "kissmap/odometry/voxel_hash_map.hpp"
 #include "loop_closing/sweep_track.hpp"
+#include "thinning.hpp"
 
 namespace kissmap {
 namespace {
@@ -19,7 +20,7 @@ constexpr double smallest_voxel = 0.15;  // m
 constexpr double largest_voxel = 0.5;    // m
 // While the sensor stands, scans after these show nothing new.
 constexpr std::uint32_t most_scans = 60;
-constexpr std::size_t most_points = 16384;
+constexpr std::size_t most_points = 12288;
 
 double mean_range_of(const Scan& scan) {
   if (scan.points.empty()) return 0.0;
@@ -119,17 +120,16 @@ std::optional<Stretch> StretchBuilder::finish() {
 }
 
 Scan thinned_for_stretches(const Scan& scan) {
-  const std::size_t step = 1 + scan.points.size() / (most_points + 1);
   Scan thinned;
   thinned.stamp_ns = scan.stamp_ns;
   thinned.stamp_is_index = scan.stamp_is_index;
   thinned.stamp_instant = scan.stamp_instant;
   thinned.compensation = scan.compensation;
   thinned.time_source = scan.time_source;
-  for (std::size_t i = 0; i < scan.points.size(); i += step) {
+  Thinning(scan.points.size(), most_points).for_each([&](std::size_t i) {
     thinned.points.push_back(scan.points[i]);
     if (!scan.time_offsets.empty()) thinned.time_offsets.push_back(scan.time_offsets[i]);
-  }
+  });
   return thinned;
 }
 

@@ -6,11 +6,13 @@
 
 #include "kissmap/mapping/placed_scan.hpp"
 #include "kissmap/odometry/preprocess.hpp"
+#include "thinning.hpp"
 
 namespace kissmap {
 namespace {
 
 constexpr std::size_t stretches_in_window = 3;
+constexpr std::size_t most_candidates = 6144;  // points that samples are picked from
 constexpr std::size_t most_samples = 1500;
 constexpr double sample_voxels = 2.0;              // voxels of the surfels in one of the samples
 constexpr int registrations = 2;                   // the second with points deskewed by the first
@@ -49,7 +51,7 @@ void SweepTrack::place(const Scan& scan, const MappedScan& mapped, double voxel_
     sweep.anchor_from_middle = predicted;
     sweep.information.reset();
   }
-  deskew(scan, sweep);
+  deskew(scan, sweep, scan.points.size());
   transform(sweep.anchor_from_middle, points_);
   add(std::move(sweep));
 }
@@ -81,7 +83,7 @@ SweepTrack::Sweep SweepTrack::predict(const Scan& scan, const MappedScan& mapped
 
 bool SweepTrack::register_sweep(const Scan& scan, double voxel_size, Sweep& sweep) {
   for (int i = 0; i < registrations; ++i) {
-    deskew(scan, sweep);
+    deskew(scan, sweep, most_candidates);
     filter_.apply(points_, sample_voxels * voxel_size, samples_);
     // Strewn over the scan: the filter's order is that of hashes.
     if (samples_.size() > most_samples) samples_.resize(most_samples);
@@ -116,7 +118,7 @@ std::vector<SurfaceLink> SweepTrack::take_links() {
   return std::exchange(links_, {});
 }
 
-void SweepTrack::deskew(const Scan& scan, const Sweep& sweep) {
+void SweepTrack::deskew(const Scan& scan, const Sweep& sweep, std::size_t most) {
   const Rigid3 motion = start_from_end(sweep);
   const auto to_end = sweep.seconds > 0.0 ? sweep_motion(scan, motion) : std::nullopt;
   const Rigid3 middle_from_end = part_of(0.5, motion);
@@ -125,13 +127,13 @@ void SweepTrack::deskew(const Scan& scan, const Sweep& sweep) {
   const auto nearest = static_cast<float>(min_range_ * min_range_);
   const auto farthest = static_cast<float>(max_range_ * max_range_);
   points_.clear();
-  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+  Thinning(scan.points.size(), most).for_each([&](std::size_t i) {
     const float squared = scan.points[i].squaredNorm();
-    if (!(squared > nearest && squared < farthest)) continue;
+    if (!(squared > nearest && squared < farthest)) return;
     points_.push_back(
         to_end ? rotation * to_end->to_sweep_end(scan.points[i], scan.time_offsets[i]) + translation
                : scan.points[i]);
-  }
+  });
 }
 
 bool SweepTrack::adjoin(const Sweep& before, const Sweep& after) {

@@ -52,7 +52,8 @@ class SweepTrack {
   Sweep predict(const Scan& scan, const MappedScan& mapped);
   void add(Sweep sweep);
   void link(std::size_t index);
-  void deskew(const Scan& scan, const Sweep& sweep);  ///< to its middle, into points_
+  /// At most that many points to the sweep's middle, into points_.
+  void deskew(const Scan& scan, const Sweep& sweep, std::size_t most);
   bool register_sweep(const Scan& scan, double voxel_size, Sweep& sweep);
   /// Near enough in time to tell a motion by both.
   static bool adjoin(const Sweep& before, const Sweep& after);
