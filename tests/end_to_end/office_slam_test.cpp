@@ -29,9 +29,12 @@ const GridBand localization{0.1, 0.2, 0.05, 100.0};
 constexpr int reach = 2;  // cells
 const Eigen::AlignedBox2d storey(Eigen::Vector2d(-2.0, -2.0), Eigen::Vector2d(42.0, 27.0));
 
-/// As a program writes it that takes the first row for the lowest.
+/// As a program writes it that takes the first row for the lowest, of an image with a margin of a
+/// metre along one side: corridors and outer walls of an office are the same when mirrored about
+/// the middle, and a robot that keeps to them is none the wiser.
 OccupancyPlan upside_down(const OccupancyPlan& plan) {
   OccupancyPlan turned = plan;
+  turned.origin.y() += 1.0;
   for (int row = 0; row < plan.height; ++row) {
     for (int column = 0; column < plan.width; ++column) {
       turned.cells[turned.index(column, row)] =
