@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Loops found on simulated tours, against exact truth: a line for each seed.
-//   loop_tours_bench WORLD SENSOR MOTION COLUMNS FIRST_SEED LAST_SEED
-// COLUMNS 0: the sensor's own. All closures count as false that are 2 m or 10 degrees off. What
-// odometry turned by wrongly is that within two seconds, at most.
+//   loop_tours_bench WORLD SENSOR MOTION COLUMNS FIRST_SEED LAST_SEED [SPLIT]
+// COLUMNS 0: the sensor's own. SPLIT: local maps end at that displacement [m] instead of by range.
+// All closures count as false that are 2 m or 10 degrees off. What odometry turned by wrongly is
+// that within two seconds, at most.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -18,9 +19,9 @@ constexpr double false_metres = 2.0;
 constexpr double false_degrees = 10.0;
 constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 
-void measure(const simulator::Scenario& scenario) {
+void measure(const simulator::Scenario& scenario, const SplittingRule& rule) {
   const simulator::Simulator simulator = simulator::make_simulator(scenario);
-  LoopTour tour;
+  LoopTour tour(rule);
   for (std::size_t i = 0; i < simulator.scan_count(); ++i) tour.add(simulator.scan(i), simulator);
   tour.finish();
   double farthest = 0.0;
@@ -60,10 +61,13 @@ void measure(const simulator::Scenario& scenario) {
 }  // namespace kissmap
 
 int main(int argc, char** argv) {
-  if (argc != 7) {
-    std::fputs("loop_tours_bench WORLD SENSOR MOTION COLUMNS FIRST_SEED LAST_SEED\n", stderr);
+  if (argc != 7 && argc != 8) {
+    std::fputs("loop_tours_bench WORLD SENSOR MOTION COLUMNS FIRST_SEED LAST_SEED [SPLIT]\n",
+               stderr);
     return 2;
   }
+  kissmap::SplittingRule rule;
+  if (argc == 8) rule = kissmap::split_by_displacement(std::atof(argv[7]));
   kissmap::simulator::Scenario scenario;
   scenario.world = argv[1];
   scenario.sensor = argv[2];
@@ -71,7 +75,7 @@ int main(int argc, char** argv) {
   scenario.columns = std::atoi(argv[4]);
   for (int seed = std::atoi(argv[5]); seed <= std::atoi(argv[6]); ++seed) {
     scenario.seed = static_cast<std::uint64_t>(seed);
-    kissmap::measure(scenario);
+    kissmap::measure(scenario, rule);
   }
   return 0;
 }

@@ -20,6 +20,9 @@ namespace kissmap {
 /// A tour mapped scan by scan with loops closed, and the truth beside it.
 class LoopTour {
  public:
+  /// Local maps end by the default rule, or by that one.
+  explicit LoopTour(SplittingRule rule = {}) : mapper_({}, {}, pool_, std::move(rule)) {}
+
   void add(const Scan& scan, const simulator::Simulator& simulator) {
     const MapperStep step = mapper_.add(scan);
     const auto& mapped = std::get<MappedScan>(step.scan);
@@ -152,7 +155,7 @@ class LoopTour {
   }
 
   ThreadPool pool_;
-  Mapper mapper_{{}, {}, pool_};
+  Mapper mapper_;
   std::vector<LocalMap> local_maps_;
   LoopCloser loops_{{}, LocalMapOptions{}.voxel_size, [this](std::uint32_t id) {
                       return local_maps_[id].surfels;
