@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
 
 #include "kissmap/error.hpp"
@@ -309,21 +308,6 @@ TEST(StretchBuilderTest, LargeScansAreThinnedEvenly) {
   scan.points.resize(12288);
   scan.time_offsets.resize(12288);
   EXPECT_EQ(thinned_for_stretches(scan).points.size(), 12288U);
-}
-
-TEST(StretchBuilderTest, ThinnedScansHaveAllRings) {
-  for (const int rings : {6, 16, 32, 40, 64, 128}) {
-    Scan scan;
-    for (int i = 0; i < 131'072; ++i) {
-      scan.points.emplace_back(1.0F, 0.0F, static_cast<float>(i % rings));
-    }
-    const Scan thinned = thinned_for_stretches(scan);
-    std::map<float, int> points;
-    for (const Eigen::Vector3f& point : thinned.points) ++points[point.z()];
-    ASSERT_EQ(points.size(), rings);
-    const int share = static_cast<int>(thinned.points.size()) / rings;
-    for (const auto& [ring, count] : points) EXPECT_NEAR(count, share, 0.15 * share) << rings;
-  }
 }
 
 }  // namespace
