@@ -43,8 +43,8 @@ struct PoseGraphOptions {
   /// A closure is believed while its whitened error is one that a fraction of this size of true
   /// closures would stay below (chi-square distribution).
   double inlier_probability = 0.999;
-  /// By how much each step comes nearer to refusing outright what contradicts the rest (mu of the
-  /// paper). Small factors find more false closures, large ones are faster.
+  /// Factor from step to step of mu, by which the cost turns from a convex one to one that refuses
+  /// outright what contradicts the rest (1.4 in the paper); a larger one takes fewer steps.
   double growth = 1.4;
 };
 

@@ -133,7 +133,7 @@ TEST(PoseGraph, SameBitsEveryTime) {
   }
 }
 
-TEST(PoseGraph, SurvivesFalseClosures) {
+void expect_false_closures_refused(double growth) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 random(seed);
     LoopGraph loop = loop_graph(random);
@@ -143,7 +143,7 @@ TEST(PoseGraph, SurvivesFalseClosures) {
     trusting.max_iterations = 10;
     const double fooled = position_error(optimize(loop.graph, trusting).map_from_node, loop.truth);
     PoseGraphOptions options;
-    if (seed % 2 == 1) options.growth = 2.0;
+    options.growth = growth;
     const PoseGraphSolution solution = optimize(loop.graph, options);
     int kept = 0;
     int closures = 0;
@@ -163,6 +163,14 @@ TEST(PoseGraph, SurvivesFalseClosures) {
     EXPECT_LT(robust, 1.05 * clean + 0.01) << "seed " << seed;
     EXPECT_GT(fooled, 5.0 * clean) << "the false closures do no harm: seed " << seed;
   }
+}
+
+TEST(PoseGraph, SurvivesFalseClosures) {
+  expect_false_closures_refused(PoseGraphOptions{}.growth);
+}
+
+TEST(PoseGraph, SurvivesFalseClosuresInFewerSteps) {
+  expect_false_closures_refused(2.0);
 }
 
 TEST(PoseGraph, PartsThatHangOnRefusedClosuresStay) {
